@@ -1,0 +1,1 @@
+//! Scenes and inputs that the benchmarks share.

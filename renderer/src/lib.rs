@@ -1,0 +1,1 @@
+//! A distribution ray tracer.

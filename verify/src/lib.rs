@@ -1,0 +1,1 @@
+//! Statistics for anybody's samplers and estimators.

@@ -1,0 +1,1 @@
+//! Our claims about our renderer, and the program `lightproof`.

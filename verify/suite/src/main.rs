@@ -1,0 +1,2 @@
+//! The program `lightproof`.
+fn main() {}
