@@ -1,1 +1,6 @@
-//! Statistics for anybody's samplers and estimators.
+//! Statistics that test samplers and estimators, and say what they could have seen.
+//!
+//! The crate knows no renderer and shows no third-party type: points are `[f64; N]` and slices, subjects are closures.
+
+pub mod claim;
+pub mod error;
