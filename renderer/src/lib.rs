@@ -1,1 +1,10 @@
-//! A distribution ray tracer.
+//! A distribution ray tracer: every effect of the classic lecture, each called for by the scene.
+//!
+//! The modules have ranks; a file imports lower ranks or its own folder (see ARCHITECTURE.md).
+
+pub mod error;
+pub mod math;
+pub mod ray;
+pub mod sampling;
+
+pub use error::{Error, ParamError};

@@ -1,0 +1,101 @@
+//! What can go wrong before or around rendering. Rendering itself does not fail.
+
+use std::path::PathBuf;
+
+/// Why a scene, a file or a setting was refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An object of the scene has a parameter that is not accepted.
+    #[error("{object}: {reason}")]
+    Scene {
+        /// The object, by its kind and its name or place.
+        object: String,
+        /// What is wrong with it.
+        reason: ParamError,
+    },
+    /// A file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's word.
+        source: std::io::Error,
+    },
+    /// A file's content is not what its format says.
+    #[error("{}:{line}:{column}: {message}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1 (meshes in binary: the number of the vertex or face; the message says which).
+        line: u32,
+        /// Column, from 1.
+        column: u32,
+        /// What is wrong, and what is accepted.
+        message: String,
+    },
+    /// A valid file that asks for something that is not built.
+    #[error("{}:{line}:{column}: {feature} is not supported; {accepted}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u32,
+        /// Column, from 1.
+        column: u32,
+        /// What it asks for.
+        feature: String,
+        /// What is accepted instead.
+        accepted: String,
+    },
+}
+
+/// A parameter's value breaks an inequality.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParamError {
+    /// Not a finite number.
+    #[error("{name} is {value}; a finite number is accepted")]
+    NotFinite {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Outside its range.
+    #[error("{name} is {value}; {accepted} is accepted")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The accepted range.
+        accepted: &'static str,
+    },
+    /// A transform that flattens space.
+    #[error("{name} is singular (determinant {determinant:e}); an invertible transform is accepted")]
+    Singular {
+        /// The parameter.
+        name: &'static str,
+        /// The determinant of its linear part.
+        determinant: f64,
+    },
+    /// A shape without area or a mesh without faces.
+    #[error("{name} is empty; {accepted} is accepted")]
+    Empty {
+        /// What is empty.
+        name: &'static str,
+        /// What is accepted.
+        accepted: &'static str,
+    },
+    /// An index that points at nothing.
+    #[error("{name} {index} is out of range; 0 to {last} is accepted")]
+    Index {
+        /// What is indexed.
+        name: &'static str,
+        /// The index.
+        index: u64,
+        /// The last one that exists.
+        last: u64,
+    },
+}

@@ -1,0 +1,28 @@
+//! Rank 1: numbers by named decision, and the maps that turn them into points, directions and choices.
+
+pub mod decision;
+
+pub use decision::{Decision, DecisionSet, Vertex};
+
+/// Which sample of an image the numbers are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct SampleId {
+    /// Pixel: column and row from the upper left corner.
+    pub pixel: [u32; 2],
+    /// Which of the independent randomisations; numbers of two replicates share nothing.
+    pub replicate: u32,
+    /// Index of the sample within its pixel and replicate, from 0.
+    pub index: u32,
+}
+
+/// A source of numbers for every random choice of a renderer.
+///
+/// A number is a pure function of seed, sample, vertex and decision. There is no state: asking twice gives the
+/// same number, and asking in another order or from another thread changes nothing.
+pub trait Sampler: Send + Sync {
+    /// The number in [0, 1) for a decision of one dimension.
+    fn draw_1d(&self, sample: SampleId, vertex: Vertex, decision: Decision) -> f32;
+
+    /// The point in [0, 1)² for a decision of two dimensions.
+    fn draw_2d(&self, sample: SampleId, vertex: Vertex, decision: Decision) -> [f32; 2];
+}
