@@ -4,3 +4,8 @@
 
 pub mod claim;
 pub mod error;
+pub mod estimate;
+pub mod integrands;
+pub mod mean;
+pub mod seeds;
+mod tails;
