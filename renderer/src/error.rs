@@ -1,6 +1,6 @@
 //! What can go wrong before or around rendering. Rendering itself does not fail.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a scene, a file or a setting was refused.
 #[derive(Debug, thiserror::Error)]
@@ -23,19 +23,19 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file's content is not what its format says.
-    #[error("{}:{line}:{column}: {message}", path.display())]
+    #[error("{}: {message}", place(path, *line, *column))]
     Format {
         /// The file.
         path: PathBuf,
-        /// Line, from 1 (meshes in binary: the number of the vertex or face; the message says which).
+        /// Line, from 1; 0 in a file without lines, whose message names the vertex, face or attribute.
         line: u32,
-        /// Column, from 1.
+        /// Column, from 1; 0 where the whole line is meant.
         column: u32,
         /// What is wrong, and what is accepted.
         message: String,
     },
     /// A valid file that asks for something that is not built.
-    #[error("{}:{line}:{column}: {feature} is not supported; {accepted}", path.display())]
+    #[error("{}: {feature} is not supported; {accepted}", place(path, *line, *column))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -48,6 +48,15 @@ pub enum Error {
         /// What is accepted instead.
         accepted: String,
     },
+}
+
+/// The file, with as much of line and column as is known.
+fn place(path: &Path, line: u32, column: u32) -> String {
+    match (line, column) {
+        (0, _) => path.display().to_string(),
+        (_, 0) => format!("{}:{line}", path.display()),
+        _ => format!("{}:{line}:{column}", path.display()),
+    }
 }
 
 /// A parameter's value breaks an inequality.

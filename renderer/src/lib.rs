@@ -3,6 +3,7 @@
 //! The modules have ranks; a file imports lower ranks or its own folder (see ARCHITECTURE.md).
 
 pub mod error;
+pub mod io;
 pub mod math;
 pub mod ray;
 pub mod sampling;

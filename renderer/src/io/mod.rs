@@ -1,0 +1,6 @@
+//! Rank 8: files. Images go out and come in here, meshes and scene descriptions come in; nothing below knows a format.
+
+pub mod exr;
+pub mod image;
+
+pub use image::{Image, MAX_PIXELS, Metadata, Provenance};
