@@ -4,6 +4,32 @@ pub mod decision;
 
 pub use decision::{Decision, DecisionSet, Vertex};
 
+/// The families of point sets that a scene can ask for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum SamplerKind {
+    /// Independent uniform numbers.
+    Independent,
+    /// One jittered number in each of as many equal strata as there are samples.
+    Stratified,
+    /// Owen-scrambled Sobol points, joint over the decisions before the first bounce.
+    #[default]
+    Sobol,
+}
+
+impl SamplerKind {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Independent, Self::Stratified, Self::Sobol];
+
+    /// Its name in scene files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Independent => "independent",
+            Self::Stratified => "stratified",
+            Self::Sobol => "sobol",
+        }
+    }
+}
+
 /// Which sample of an image the numbers are for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SampleId {

@@ -1,0 +1,115 @@
+//! The third idea: work comes in batches.
+
+use crate::interaction::Interaction;
+use crate::math::Rgb;
+use crate::ray::{Hit, Ray};
+use crate::sampling::{SampleId, Vertex};
+
+/// One sample of a pixel, on its way from a place on the film to a radiance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Which sample it is.
+    pub id: SampleId,
+    /// Position on the film in pixels from the upper left corner.
+    pub position: [f64; 2],
+    /// The filter's signed weight there.
+    pub weight: f32,
+    /// When it sees the scene.
+    pub time: f32,
+    /// Where on the unit disk its ray crosses the lens; the middle without a lens.
+    pub lens: [f32; 2],
+    /// Radiance [W m⁻² sr⁻¹] found so far.
+    pub radiance: Rgb,
+}
+
+/// A light path being followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Path {
+    /// Index of its sample in the batch.
+    pub sample: u32,
+    /// Where along the path it is.
+    pub vertex: Vertex,
+    /// The ray to follow next.
+    pub ray: Ray,
+    /// What a unit of radiance found along the ray contributes to the sample.
+    pub throughput: Rgb,
+    /// Product of eta² over the refractions so far: the throughput without the squeezing of solid angles.
+    pub eta_scale: f32,
+    /// Density per steradian with which the ray's direction was drawn; `None` for the camera and for delta lobes,
+    /// which a light sample cannot replace.
+    pub pdf: Option<f32>,
+}
+
+/// A path's hit, ready for shading.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface {
+    /// Index of the path in the batch.
+    pub path: u32,
+    /// Distance along the path's ray.
+    pub distance: f32,
+    /// The point hit.
+    pub interaction: Interaction,
+}
+
+/// A light point waiting for its shadow ray.
+#[derive(Debug, Clone, Copy)]
+pub struct Connection {
+    /// Index of its sample in the batch.
+    pub sample: u32,
+    /// What it adds to the sample if nothing is in the way.
+    pub contribution: Rgb,
+}
+
+/// Samples that travel together, and the working lists of the stages.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// The samples.
+    pub samples: Vec<Sample>,
+    /// Paths to follow next.
+    pub paths: Vec<Path>,
+    /// Hits found for them.
+    pub hits: Vec<Option<Hit>>,
+    /// The hits to shade.
+    pub surfaces: Vec<Surface>,
+    /// Light points to connect to.
+    pub connections: Vec<Connection>,
+    /// Their shadow rays.
+    pub shadow_rays: Vec<Ray>,
+    /// Whether something is in the way.
+    pub blocked: Vec<bool>,
+    /// Rays, in the order of `paths`.
+    pub rays: Vec<Ray>,
+    /// Contributions left out because they were not finite.
+    pub dropped: u64,
+}
+
+impl Batch {
+    /// Empties the batch and puts in the samples `ids`.
+    pub fn refill(&mut self, ids: impl Iterator<Item = SampleId>) {
+        self.samples.clear();
+        self.samples.extend(ids.map(|id| Sample {
+            id,
+            position: [0.0; 2],
+            weight: 1.0,
+            time: 0.0,
+            lens: [0.0; 2],
+            radiance: Rgb::BLACK,
+        }));
+        self.paths.clear();
+    }
+
+    /// Adds a contribution to a sample, or counts it as dropped if it is not finite.
+    pub fn add(&mut self, sample: u32, contribution: Rgb) {
+        if contribution.is_finite() {
+            self.samples[sample as usize].radiance += contribution;
+        } else {
+            self.dropped += 1;
+        }
+    }
+
+    /// Queues a light point to be connected to.
+    pub fn connect(&mut self, sample: u32, ray: Ray, contribution: Rgb) {
+        self.connections.push(Connection { sample, contribution });
+        self.shadow_rays.push(ray);
+    }
+}

@@ -1,0 +1,111 @@
+//! Light paths from the camera, from surface to surface.
+
+use super::{Batch, Branch, Integrator, IntegratorSettings, stages};
+use crate::sampling::{Decision, DecisionSet, Sampler};
+use crate::scene::{Effect, Scene};
+
+/// How light is looked for at a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Strategy {
+    /// By points on lights, and by the material's own directions only where these cannot be connected to.
+    Light,
+    /// By the material's own directions.
+    Material,
+    /// By both, weighted by the power heuristic.
+    #[default]
+    Both,
+}
+
+/// Follows paths from the camera.
+///
+/// The radiance leaving a surface is what it emits and what it reflects: L = Le + ∫ f·L·|cos θ| dω. The integral's
+/// direct part is estimated by points on lights, its indirect part by one further ray, and so on until the longest
+/// path, black, or Russian roulette ends it.
+///
+/// # Source
+/// Kajiya 1986, "The rendering equation" (doi:10.1145/15886.15902); Veach 1997, "Robust Monte Carlo methods for
+/// light transport simulation", section 9.2 for the weights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathTracer {
+    /// Which paths, and how.
+    pub settings: IntegratorSettings,
+}
+
+impl Integrator for PathTracer {
+    fn decisions(&self, scene: &Scene) -> [DecisionSet; 2] {
+        let mut later = DecisionSet::EMPTY;
+        let settings = &self.settings;
+        let follows = |depth: u32| settings.max_depth.is_none_or(|max| depth <= max);
+        if follows(2) {
+            if settings.strategy != Strategy::Material && !scene.lights.is_empty() {
+                later = later.with(Decision::LightPoint);
+                if scene.lights.needs_choice() {
+                    later = later.with(Decision::LightChoice);
+                }
+            }
+            let calls: Vec<_> = scene.materials().map(|m| m.calls_for()).collect();
+            if calls.iter().any(|c| c.lobe) {
+                later = later.with(Decision::Lobe);
+            }
+            if calls.iter().any(|c| c.direction) {
+                later = later.with(Decision::Direction);
+            }
+        }
+        let mut first = later.with(Decision::Pixel);
+        if scene.effects.contains(Effect::Lens) {
+            first = first.with(Decision::Lens);
+        }
+        if scene.effects.contains(Effect::Shutter) {
+            first = first.with(Decision::Time);
+        }
+        if follows(settings.rr_depth.saturating_add(1)) {
+            later = later.with(Decision::Roulette);
+            if settings.rr_depth <= 1 {
+                first = first.with(Decision::Roulette);
+            }
+        }
+        [first, later]
+    }
+
+    fn trace<S: Sampler>(&self, scene: &Scene, sampler: &S, batch: &mut Batch) {
+        let settings = &self.settings;
+        let lights = settings.strategy != Strategy::Material && !scene.lights.is_empty();
+
+        stages::film_points(scene, sampler, batch);
+        if scene.effects.contains(Effect::Shutter) {
+            stages::shutter_times(scene, sampler, batch);
+        }
+        if scene.effects.contains(Effect::Lens) {
+            stages::lens_points(sampler, batch);
+        }
+        stages::camera_rays(scene, batch);
+
+        for depth in 1..=settings.max_depth.unwrap_or(u32::MAX) {
+            if batch.paths.is_empty() {
+                break;
+            }
+            stages::closest_hits(scene, batch);
+            stages::surfaces(scene, batch);
+            if depth > 1 || !settings.hide_emitters {
+                stages::emission(scene, settings.strategy, batch);
+            }
+            if settings.max_depth == Some(depth) {
+                break;
+            }
+            if lights {
+                stages::light_points(scene, sampler, settings.strategy, batch);
+                stages::occlusion(scene, batch);
+            }
+            stages::scatter(scene, sampler, settings.branch, batch);
+            if depth >= settings.rr_depth {
+                stages::roulette(sampler, batch);
+            }
+        }
+    }
+}
+
+impl PathTracer {
+    /// The lecture's way: both branches at a dielectric.
+    pub const DISTRIBUTION: Self =
+        Self { settings: IntegratorSettings { branch: Branch::Both, ..IntegratorSettings::PATH } };
+}

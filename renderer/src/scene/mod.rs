@@ -1,0 +1,165 @@
+//! Rank 5: everything that is fixed before the first ray.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+
+use crate::accel::{Accel, Object};
+use crate::camera::{Camera, Shutter};
+use crate::error::{Error, ParamError};
+use crate::film::Film;
+use crate::lights::{Light, Lights};
+use crate::materials::Material;
+use crate::math::Rgb;
+use crate::shapes::Shape;
+
+pub mod description;
+pub mod effects;
+
+pub use description::{LightSettings, ObjectSettings, SamplerSettings, SceneDescription};
+pub use effects::{Effect, Effects};
+
+/// A scene ready to be rendered, in a frame whose origin is the camera's position as the shutter opens.
+///
+/// Transforms compose in f64 and become f32 only in that frame, so that a scene far from the world's origin keeps
+/// its digits.
+#[derive(Debug)]
+pub struct Scene {
+    /// The eye.
+    pub camera: Camera,
+    /// When light reaches the film.
+    pub shutter: Shutter,
+    /// The image.
+    pub film: Film,
+    /// The shapes.
+    pub accel: Accel,
+    /// The lights.
+    pub lights: Lights,
+    /// What the scene calls for.
+    pub effects: Effects,
+    surfaces: Vec<SurfaceSettings>,
+}
+
+/// What an object's surface does to light.
+#[derive(Debug, Clone)]
+struct SurfaceSettings {
+    material: Arc<Material>,
+    light: Option<u32>,
+}
+
+impl Scene {
+    /// Builds the scene of `description`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] names the object and the parameter that is not accepted.
+    pub fn new(description: &SceneDescription) -> Result<Self, Error> {
+        let refuse = |object: &str| {
+            let object = object.to_string();
+            move |reason: ParamError| Error::Scene { object, reason }
+        };
+        let settings = &description.camera;
+        let shutter = settings.shutter;
+        let to_frame = -settings.to_world.at(shutter.open).translation;
+        let film = Film::new(&description.film).map_err(refuse("film"))?;
+        let camera = Camera::new(settings, film.width, film.height, to_frame).map_err(refuse("sensor"))?;
+
+        let mut objects = Vec::new();
+        let mut surfaces = Vec::new();
+        let mut lights = Vec::new();
+        for object in &description.objects {
+            if object.material.is_absent() && object.radiance.is_black() {
+                continue;
+            }
+            let placed = place(object, to_frame, shutter).map_err(refuse(&object.name))?;
+            let light = (!object.radiance.is_black()).then_some(lights.len() as u32);
+            if light.is_some() {
+                check_radiance(object.radiance).map_err(refuse(&object.name))?;
+                let (object_index, area) = (objects.len() as u32, placed.shape.area());
+                lights.push(Light::Area { object: object_index, radiance: object.radiance, area });
+            }
+            surfaces.push(SurfaceSettings { material: object.material.clone(), light });
+            objects.push(placed);
+        }
+        for light in &description.lights {
+            lights.extend(bare_light(light, to_frame).map_err(refuse("emitter"))?);
+        }
+        let accel = Accel::new(objects, [shutter.open, shutter.close]);
+        let mut scene = Self {
+            camera,
+            shutter,
+            film,
+            accel,
+            lights: Lights::new(lights),
+            effects: Effects::NONE,
+            surfaces,
+        };
+        scene.effects = Effects::of(&scene);
+        Ok(scene)
+    }
+
+    /// The material of the object of index `object`.
+    pub fn material(&self, object: u32) -> &Material {
+        &self.surfaces[object as usize].material
+    }
+
+    /// The materials of all objects.
+    pub fn materials(&self) -> impl Iterator<Item = &Material> {
+        self.surfaces.iter().map(|s| s.material.as_ref())
+    }
+
+    /// The light that the object of index `object` is, if it is one.
+    pub fn light_of(&self, object: u32) -> Option<&Light> {
+        self.surfaces[object as usize].light.map(|l| self.lights.get(l))
+    }
+}
+
+/// The object in the render frame: at rest with its geometry there, moving with its geometry in object space.
+fn place(object: &ObjectSettings, to_frame: DVec3, shutter: Shutter) -> Result<Object, ParamError> {
+    let motion = object.to_world.then(&DAffine3::from_translation(to_frame));
+    let moves = !motion.is_static() && shutter.length() > 0.0;
+    if moves {
+        if !object.radiance.is_black() && !motion.is_rigid() {
+            return Err(ParamError::OutOfRange {
+                name: "the number of keys of a scaled light",
+                value: motion.keys() as f64,
+                accepted: "1, or a motion without scale or shear",
+            });
+        }
+        let shape = Shape::new(&object.shape, &DAffine3::IDENTITY, object.flip_normals)?;
+        return Ok(Object { shape, motion: Some(motion) });
+    }
+    let shape = Shape::new(&object.shape, &motion.at(shutter.open), object.flip_normals)?;
+    Ok(Object { shape, motion: None })
+}
+
+/// The light in the render frame; `None` where it is black.
+fn bare_light(settings: &LightSettings, to_frame: DVec3) -> Result<Option<Light>, ParamError> {
+    let (light, quantity) = match *settings {
+        LightSettings::Constant { radiance } => (Light::Constant { radiance }, radiance),
+        LightSettings::Point { position, intensity } => {
+            (Light::Point { position: (position + to_frame).as_vec3(), intensity }, intensity)
+        }
+        LightSettings::Directional { direction, irradiance } => {
+            let wi = (-direction).try_normalize().ok_or(ParamError::OutOfRange {
+                name: "the length of direction",
+                value: direction.length(),
+                accepted: "a finite length above 0",
+            })?;
+            (Light::Directional { wi: wi.as_vec3(), irradiance }, irradiance)
+        }
+    };
+    check_radiance(quantity)?;
+    Ok((!quantity.is_black()).then_some(light))
+}
+
+fn check_radiance(radiance: Rgb) -> Result<(), ParamError> {
+    for value in radiance.to_array().map(f64::from) {
+        if !value.is_finite() {
+            return Err(ParamError::NotFinite { name: "radiance", value });
+        }
+        if value < 0.0 {
+            return Err(ParamError::OutOfRange { name: "radiance", value, accepted: "a value of at least 0" });
+        }
+    }
+    Ok(())
+}
