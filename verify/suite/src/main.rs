@@ -1,2 +1,7 @@
 //! The program `lightproof`.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    lightproof::cli::main()
+}

@@ -1,0 +1,63 @@
+//! Why a command could not run: status 2 and one message.
+
+use std::path::PathBuf;
+
+use crate::report::ReadError;
+
+/// Why a command could not run.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// A file could not be written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's word.
+        source: std::io::Error,
+    },
+    /// A report could not be read.
+    #[error("{}: {source}", path.display())]
+    Report {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: ReadError,
+    },
+    /// No claim has such a name.
+    #[error("--only {pattern}: no claim has such a name; the nearest are {nearest}")]
+    NoMatch {
+        /// The pattern given.
+        pattern: String,
+        /// Names like it.
+        nearest: String,
+    },
+    /// Some claims could not run; each was named when it happened.
+    #[error("{count} of {total} claims could not run: {first}")]
+    Claims {
+        /// How many.
+        count: usize,
+        /// Of how many.
+        total: usize,
+        /// The first of them and its reason.
+        first: String,
+    },
+    /// Standard output failed.
+    #[error("standard output: {0}")]
+    Output(std::io::Error),
+    /// Nobody reads standard output any more: a quiet end.
+    #[error("standard output is closed")]
+    Closed,
+    /// A report could not be put into JSON.
+    #[error("report: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The pool of threads could not be started.
+    #[error("--threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl From<std::io::Error> for CliError {
+    /// An error of standard output or standard error; files say their path instead.
+    fn from(error: std::io::Error) -> Self {
+        if error.kind() == std::io::ErrorKind::BrokenPipe { Self::Closed } else { Self::Output(error) }
+    }
+}
