@@ -3,9 +3,11 @@
 //! The crate knows no renderer and shows no third-party type: points are `[f64; N]` and slices, subjects are closures.
 
 pub mod claim;
+pub mod domain;
 pub mod error;
 pub mod estimate;
 pub mod integrands;
 pub mod mean;
+pub mod points;
+pub mod power;
 pub mod seeds;
-mod tails;
