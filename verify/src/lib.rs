@@ -11,3 +11,4 @@ pub mod mean;
 pub mod points;
 pub mod power;
 pub mod seeds;
+mod tails;
