@@ -71,7 +71,7 @@ def write_exr(path, mean, stderr, samples, attributes):
     """Write one part with FLOAT channels R G B stderr.R stderr.G stderr.B samples.
 
     * `samples`: samples per pixel over all seeds, the same in every pixel.
-    * `attributes`: text and whole numbers for the header.
+    * `attributes`: texts for the header.
     """
     planes = {c: mean[:, :, i] for i, c in enumerate(CHANNELS)}
     planes |= {f"stderr.{c}": stderr[:, :, i] for i, c in enumerate(CHANNELS)}

@@ -23,22 +23,28 @@ import reference_image
 import scene_xml
 
 ROOT = Path(__file__).resolve().parent.parent
-# Mitsuba gives pixel p of seed s the random stream s·(pixels of the film) + p, where p counts the pixels of
-# whole blocks; with blocks rounded up there are at most 4 times as many of those as pixels in a film that
-# is no smaller than a block. Seeds 4 apart therefore share no stream.
+# Mitsuba's scalar variants give pixel p of seed s the random stream s·(pixels of the film) + p, where p counts the
+# pixels of whole blocks of up to 32 by 32: at most 4 times as many as a film of 16 by 16 or more has. Seeds 4 apart
+# therefore share no stream.
 SEED_STEP = 4
 
 
-def renders(options, seed):
-    """One seed's image, height by width by 3: of the file as it is, or the mean over static instants."""
+def renderer(options):
+    """A function from a seed to its image: of the file as it is, or the mean over static instants."""
     if not (options.rfilter or options.instants):
         scene = mi.load_file(str(options.path), **options.parameters)
-        return one_render(scene, options.spp, seed)
+        return lambda seed: one_render(scene, options.spp, seed)
     root, _ = scene_xml.read(options.path, options.parameters)
     if options.rfilter:
         root = scene_xml.with_filter(root, options.rfilter)
     if not options.instants:
-        return one_render(mi.load_string(scene_xml.to_text(root)), options.spp, seed)
+        scene = mi.load_string(scene_xml.to_text(root))
+        return lambda seed: one_render(scene, options.spp, seed)
+    return lambda seed: mean_over_instants(root, options, seed)
+
+
+def mean_over_instants(root, options, seed):
+    """The mean of static renders at times spread over the shutter's interval."""
     times = instants(*scene_xml.shutter(root), options.instants, seed)
     total = 0.0
     for k, time in enumerate(times):
@@ -94,15 +100,15 @@ def command(options):
 
 
 def attributes(options, record):
-    """What goes into the EXR's header."""
+    """What goes into the EXR's header, as text; the number of replicates under the name that `lightproof` reads."""
     return {
         "renderer": f"Mitsuba {record['version']} {record['variant']}",
         "scene": options.path.name,
-        "sceneSha256": next(iter(record["sha256"].values())),
+        "scene_sha256": next(iter(record["sha256"].values())),
         "command": record["command"],
-        "replicates": options.seeds,
-        "seed": options.first_seed,
-        "spp": options.seeds * record["spp_per_seed"],
+        "lightproof.replicates": str(options.seeds),
+        "first_seed": str(options.first_seed),
+        "spp": str(options.seeds * record["spp_per_seed"]),
     }
 
 
@@ -144,8 +150,9 @@ def main(arguments=None):
         print(f"{options.path.name}: things move; say --instants K", file=sys.stderr)
         return 2
     replicates = reference_image.Replicates()
+    image_of = renderer(options)
     for seed in range(options.first_seed, options.first_seed + options.seeds):
-        replicates.add(renders(options, seed))
+        replicates.add(image_of(seed))
     record = provenance(options, files)
     samples = options.seeds * record["spp_per_seed"]
     reference_image.write_exr(options.output, replicates.mean(), replicates.stderr(), samples, attributes(options, record))
