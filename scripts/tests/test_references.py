@@ -81,14 +81,26 @@ def test_seeds_and_pixels_of_the_reference_are_independent(path):
     # √(2/31/50) = 3.6 %, six times that.
     lit = pixels > 0
     assert abs((tiles[lit] / pixels[lit]).mean() - 1) < 0.22
-    seeds = record["tile_sums"].sum(axis=-1).reshape(record["seeds"], -1)
+    for lag in (1, 2, 3):
+        assert abs(seed_correlation(record["tile_sums"], lag)) < 6
+
+
+def seed_correlation(tile_sums, lag):
+    """Correlation of a tile's noise between seeds `lag` apart, in units of its own standard deviation."""
+    seeds = tile_sums.sum(axis=-1).reshape(len(tile_sums), -1)
     noise = seeds - seeds.mean(axis=0)
     noise = noise[:, noise.std(axis=0) > 1e-9 * seeds.max()]
-    noise /= noise.std(axis=0)
-    for lag in (1, 2, 3):
-        # Subtracting the mean makes the expectation -1/seeds; the mean of n products is known to 1/√n.
-        products = noise[lag:] * noise[:-lag]
-        assert abs(products.mean() + 1 / record["seeds"]) < 6 / np.sqrt(products.size)
+    products = noise[lag:] * noise[:-lag] / noise.var(axis=0)
+    # Subtracting the mean makes the expectation -1/seeds; the mean of n products of unit variance is known to 1/√n.
+    return (products.mean() + 1 / len(seeds)) * np.sqrt(products.size)
+
+
+def test_seeds_that_share_half_their_noise_with_the_one_before_are_found():
+    rng = np.random.default_rng(4)
+    fresh = rng.normal(size=(33, 8, 8, 3))
+    # Half of each variance is the seed's before: a correlation of ½, which 31·64 products see as 22 deviations.
+    assert abs(seed_correlation(10 + fresh, 1)) < 6
+    assert seed_correlation(10 + fresh[1:] + fresh[:-1], 1) > 6
 
 
 def test_meshes_and_bitmap_are_those_of_the_script():
