@@ -78,6 +78,15 @@ def test_another_filter_replaces_the_scenes():
     assert abs(correlations["box"]) < 0.09 and correlations["gaussian"] > 0.37 - 0.09
 
 
+def test_a_rewritten_scene_is_the_same_scene():
+    """Putting the box filter where there is one changes no bit: includes, names and files came through."""
+    images = []
+    for extra in ([], ["--rfilter=box"]):
+        options = render_mitsuba.parse(["textured", "--res=32", "--spp=2", *extra])
+        images.append(render_mitsuba.renderer(options)(0))
+    assert np.array_equal(*images)
+
+
 def test_a_single_seed_is_refused():
     with pytest.raises(SystemExit):
         render_mitsuba.parse(["cornell", "--seeds=1"])
