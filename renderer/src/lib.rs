@@ -4,8 +4,10 @@
 
 pub mod error;
 pub mod io;
+pub mod materials;
 pub mod math;
 pub mod ray;
 pub mod sampling;
+pub mod texture;
 
 pub use error::{Error, ParamError};

@@ -1,0 +1,190 @@
+//! Fuzzy mirrors and frosted glass: ideal directions perturbed on a disk.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::bsdf::{Branch, BsdfSample, Lobe};
+use super::conductor::check_range;
+use super::dielectric::{check_eta, ideal};
+use super::fresnel::{self, Interface};
+use super::warp;
+use crate::error::ParamError;
+use crate::math::Rgb;
+use crate::texture::Texture;
+
+/// The classic blurred reflection and refraction: w = (r + f ξ)/|r + f ξ|, with r the ideal direction, f the blur
+/// and ξ uniform on the unit disk perpendicular to r.
+///
+/// Without an index it is a fuzzy mirror, black from below; with one, reflection is weighted with Fresnel's F at
+/// the ideal angle and refraction with (1 − F)/η². A direction that ends on the wrong side of the surface, by the
+/// sign of its product with the normal, is dropped, and its light is lost.
+///
+/// `C` is a [`Texture`] in a scene and an [`Rgb`] at a point.
+///
+/// # Measure
+/// Density per steradian of a branch: p(w) = 1/(π f² cos³γ) where tan γ ≤ f, γ the angle between w and r; the disk
+/// at distance 1 has the density 1/(π f²) per area, and dA = dω/cos³γ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlurDisk<C> {
+    blur: f32,
+    eta: Option<f32>,
+    reflectance: C,
+    transmittance: C,
+}
+
+impl BlurDisk<Texture> {
+    /// The blurred surface.
+    ///
+    /// * `blur` f: radius of the disk at distance 1, 0.0001 to 100.
+    /// * `eta`: interior over exterior index, 0.001 to 1000; `None` for reflection only.
+    /// * `specular_reflectance`, `specular_transmittance`: further factors of the two branches, in [0, 1].
+    ///
+    /// # Errors
+    /// [`ParamError`] for values outside these ranges.
+    pub fn new(
+        blur: f32,
+        eta: Option<f32>,
+        specular_reflectance: Texture,
+        specular_transmittance: Texture,
+    ) -> Result<Self, ParamError> {
+        check_range("blur", blur, [1e-4, 100.0], "0 (sharp) or 0.0001 to 100")?;
+        eta.map_or(Ok(()), check_eta)?;
+        specular_reflectance.check_reflectance("specular_reflectance")?;
+        specular_transmittance.check_reflectance("specular_transmittance")?;
+        Ok(Self { blur, eta, reflectance: specular_reflectance, transmittance: specular_transmittance })
+    }
+
+    /// Whether it refracts, too.
+    pub fn forks(&self) -> bool {
+        self.eta.is_some()
+    }
+
+    /// The surface at the surface coordinates `uv`.
+    pub fn at(&self, uv: [f32; 2]) -> BlurDisk<Rgb> {
+        let (reflectance, transmittance) = (self.reflectance.eval(uv), self.transmittance.eval(uv));
+        BlurDisk { blur: self.blur, eta: self.eta, reflectance, transmittance }
+    }
+}
+
+impl BlurDisk<Rgb> {
+    /// Whether it refracts, too.
+    pub fn forks(&self) -> bool {
+        self.eta.is_some()
+    }
+
+    /// Fresnel's reflectance seen from `wo`; 1 without an index.
+    pub fn reflect_probability(&self, wo: Vec3) -> f32 {
+        self.interface(wo).reflectance
+    }
+
+    /// f \[1/sr\]: the branch's weight times its density over |cos θᵢ|.
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        let branch = branch_of(wo, wi);
+        let interface = self.interface(wo);
+        let density = self.density(wo, wi, interface, branch);
+        if density == 0.0 {
+            return Rgb::BLACK;
+        }
+        self.weight(interface, branch) * (density / wi.z.abs())
+    }
+
+    /// The density of `wi` after a choice that reflects with probability F.
+    ///
+    /// # Measure
+    /// Per steradian; the integral falls short of 1 by the share of dropped directions.
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let branch = branch_of(wo, wi);
+        let interface = self.interface(wo);
+        choice(interface, branch) * self.density(wo, wi, interface, branch)
+    }
+
+    /// The density of `wi` within its own branch.
+    ///
+    /// # Measure
+    /// Per steradian; the integral over each side falls short of 1 by that side's share of dropped directions.
+    pub fn branch_pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.density(wo, wi, self.interface(wo), branch_of(wo, wi))
+    }
+
+    /// Reflects when `u_lobe` < F, else refracts, and perturbs; the weights are ρ and τ/η².
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let interface = self.interface(wo);
+        let branch = if u_lobe < interface.reflectance { Branch::Reflect } else { Branch::Refract };
+        let sample = self.perturbed(wo, interface, branch, u)?;
+        Some(sample.chosen_with(choice(interface, branch)))
+    }
+
+    /// A perturbed direction of one branch; the weights are ρ F and τ (1 − F)/η².
+    pub fn sample_branch(&self, wo: Vec3, branch: Branch, u: [f32; 2]) -> Option<BsdfSample> {
+        self.perturbed(wo, self.interface(wo), branch, u)
+    }
+
+    fn perturbed(&self, wo: Vec3, interface: Interface, branch: Branch, u: [f32; 2]) -> Option<BsdfSample> {
+        let r = self.ideal(wo, interface, branch)?;
+        let [x, y] = warp::square_to_disk(u);
+        let (s, t) = r.any_orthonormal_pair();
+        let wi = (r + (s * x + t * y) * self.blur).normalize();
+        if wi.z * r.z <= 0.0 {
+            return None;
+        }
+        let transmitted = branch == Branch::Refract;
+        let pdf = self.peak() * inverse_cos_cubed(self.blur * self.blur * (x * x + y * y));
+        let weight = self.weight(interface, branch);
+        let eta_rel = if transmitted { interface.eta_rel } else { 1.0 };
+        Some(BsdfSample { wi, weight, pdf, lobe: Lobe::Spread, transmitted, eta_rel })
+    }
+
+    /// The density on the disk: 1/(π f²).
+    fn peak(&self) -> f32 {
+        1.0 / (PI * self.blur * self.blur)
+    }
+
+    fn density(&self, wo: Vec3, wi: Vec3, interface: Interface, branch: Branch) -> f32 {
+        let Some(r) = self.ideal(wo, interface, branch) else { return 0.0 };
+        let cos = r.dot(wi);
+        let tan2 = r.cross(wi).length_squared() / (cos * cos);
+        let inside = cos > 0.0 && wi.z * r.z > 0.0 && tan2 <= self.blur * self.blur;
+        if inside { self.peak() * inverse_cos_cubed(tan2) } else { 0.0 }
+    }
+
+    /// The direction that is perturbed; `None` where the branch scatters nothing.
+    fn ideal(&self, wo: Vec3, interface: Interface, branch: Branch) -> Option<Vec3> {
+        let seen = if self.forks() { wo.z != 0.0 } else { wo.z > 0.0 };
+        if seen { ideal(wo, interface, branch) } else { None }
+    }
+
+    fn weight(&self, interface: Interface, branch: Branch) -> Rgb {
+        match branch {
+            Branch::Reflect => self.reflectance * interface.reflectance,
+            Branch::Refract => {
+                self.transmittance * (interface.transmittance / (interface.eta_rel * interface.eta_rel))
+            }
+        }
+    }
+
+    fn interface(&self, wo: Vec3) -> Interface {
+        match self.eta {
+            Some(eta) => fresnel::dielectric(wo.z, eta),
+            None => Interface { reflectance: 1.0, transmittance: 0.0, cos_t: None, eta_rel: 1.0 },
+        }
+    }
+}
+
+/// 1/cos³ of the angle whose squared tangent is `tan2`.
+fn inverse_cos_cubed(tan2: f32) -> f32 {
+    (1.0 + tan2) * (1.0 + tan2).sqrt()
+}
+
+/// The branch by which light from `wi` can reach `wo`.
+fn branch_of(wo: Vec3, wi: Vec3) -> Branch {
+    if wo.z * wi.z > 0.0 { Branch::Reflect } else { Branch::Refract }
+}
+
+/// The probability of a branch when reflection is chosen with probability F.
+fn choice(interface: Interface, branch: Branch) -> f32 {
+    match branch {
+        Branch::Reflect => interface.reflectance,
+        Branch::Refract => interface.transmittance,
+    }
+}
