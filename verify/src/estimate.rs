@@ -34,7 +34,7 @@ pub struct Estimate {
 /// Running mean and sum of squared deviations, which can be merged.
 ///
 /// # Source
-/// Welford 1962, 10.1080/00401706.1962.10490022; merging: Chan, Golub, LeVeque 1983, 10.1080/00031305.1983.10483115.
+/// Welford 1962, 10.1080/00401706.1962.10490022; merging: Chan and others 1983, 10.1080/00031305.1983.10483115.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moments {
     count: u64,

@@ -7,6 +7,7 @@ pub mod domain;
 pub mod error;
 pub mod estimate;
 pub mod integrands;
+pub mod irradiance;
 pub mod mean;
 pub mod points;
 pub mod power;
