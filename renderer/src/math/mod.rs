@@ -1,5 +1,9 @@
 //! Rank 0: pure mathematics; f32 for geometry, f64 where digits are lost.
 
+pub mod float;
+pub mod frame;
 pub mod rgb;
+pub mod spherical;
 
+pub use frame::Frame;
 pub use rgb::Rgb;

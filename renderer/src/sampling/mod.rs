@@ -1,8 +1,12 @@
 //! Rank 1: numbers by named decision, and the maps that turn them into points, directions and choices.
 
 pub mod decision;
+mod hash;
+pub mod independent;
+pub mod warp;
 
 pub use decision::{Decision, DecisionSet, Vertex};
+pub use independent::Independent;
 
 /// The families of point sets that a scene can ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
