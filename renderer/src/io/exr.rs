@@ -59,8 +59,8 @@ fn encode(path: &Path, image: &Image) -> Result<Vec<u8>, Error> {
     if let Some(samples) = &image.samples {
         channels.push(AnyChannel::new("samples", FlatSamples::F32(samples.clone())));
     }
-    let mut attributes = LayerAttributes::default();
-    attributes.other = attributes_of(&image.metadata).collect();
+    let attributes =
+        LayerAttributes { other: attributes_of(&image.metadata).collect(), ..LayerAttributes::default() };
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: exr::image::Blocks::ScanLines,

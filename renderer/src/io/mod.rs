@@ -2,5 +2,6 @@
 
 pub mod exr;
 pub mod image;
+pub mod png;
 
 pub use image::{Image, MAX_PIXELS, Metadata, Provenance};

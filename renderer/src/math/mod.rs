@@ -4,6 +4,7 @@ pub mod float;
 pub mod frame;
 pub mod rgb;
 pub mod spherical;
+pub mod spectrum;
 
 pub use frame::Frame;
 pub use rgb::Rgb;
