@@ -2,14 +2,17 @@
 //!
 //! The crate knows no renderer and shows no third-party type: points are `[f64; N]` and slices, subjects are closures.
 
+pub mod chi_square;
 pub mod claim;
 pub mod domain;
 pub mod error;
 pub mod estimate;
+pub mod histogram;
 pub mod integrands;
 pub mod irradiance;
 pub mod mean;
 pub mod points;
 pub mod power;
+pub mod quadrature;
 pub mod seeds;
 mod tails;

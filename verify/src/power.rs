@@ -142,7 +142,7 @@ fn bracket(x: f64, too_small: impl Fn(f64) -> bool) -> [f64; 2] {
 }
 
 /// The place where a predicate turns from true to false, to a relative 1e-10.
-fn bisect([mut low, mut high]: [f64; 2], is_below: impl Fn(f64) -> bool) -> f64 {
+pub(crate) fn bisect([mut low, mut high]: [f64; 2], is_below: impl Fn(f64) -> bool) -> f64 {
     while high - low > 1e-10 * high {
         let middle = 0.5 * (low + high);
         if is_below(middle) {
