@@ -2,12 +2,15 @@
 //!
 //! The modules have ranks; a file imports lower ranks or its own folder (see ARCHITECTURE.md).
 
+pub mod accel;
 pub mod error;
+pub mod interaction;
 pub mod io;
 pub mod materials;
 pub mod math;
 pub mod ray;
 pub mod sampling;
+pub mod shapes;
 pub mod texture;
 
 pub use error::{Error, ParamError};

@@ -1,0 +1,114 @@
+//! A shape and how it moves.
+
+use glam::{DAffine3, DVec3, Vec3};
+
+use crate::interaction::SurfacePoint;
+use crate::math::bounds::Bounds;
+use crate::math::transform::Motion;
+use crate::ray::Ray;
+use crate::shapes::{Shape, ShapeHit};
+
+/// A shape at rest or in motion.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// The shape: in the render frame without a motion, else in its own space.
+    pub shape: Shape,
+    /// The map from the shape's space to the render frame at each time.
+    pub motion: Option<Motion>,
+}
+
+impl Object {
+    /// A shape that rests.
+    pub fn still(shape: Shape) -> Self {
+        Self { shape, motion: None }
+    }
+
+    /// A shape that moves.
+    pub fn moving(shape: Shape, motion: Motion) -> Self {
+        Self { shape, motion: Some(motion) }
+    }
+
+    /// A box that holds the object at every time in `shutter`.
+    pub fn bounds(&self, shutter: [f64; 2]) -> Bounds {
+        let own = self.shape.bounds();
+        self.motion.as_ref().map_or(own, |m| m.swept(&own, shutter))
+    }
+
+    /// A ray of the render frame in the shape's space. Distances along it stay what they are, so its direction isn't
+    /// unit under a scale.
+    pub fn to_object(&self, ray: &Ray) -> Ray {
+        match &self.motion {
+            None => *ray,
+            Some(motion) => {
+                let inverse = motion.at(f64::from(ray.time)).inverse();
+                Ray {
+                    origin: inverse.transform_point3(ray.origin.as_dvec3()).as_vec3(),
+                    direction: inverse.transform_vector3(ray.direction.as_dvec3()).as_vec3(),
+                    ..*ray
+                }
+            }
+        }
+    }
+
+    /// The surface in the render frame at a hit of `ray`.
+    pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
+        let surface = self.shape.surface(element, hit, &self.to_object(ray));
+        match &self.motion {
+            None => surface,
+            Some(motion) => moved(&surface, &motion.at(f64::from(ray.time))),
+        }
+    }
+
+    /// A point of the surface at `time` for `u` in [0, 1)², with its density.
+    ///
+    /// # Measure
+    /// The density is per m² of the object as it is at `time`.
+    pub fn sample_area(&self, u: [f32; 2], time: f32) -> (SurfacePoint, f32) {
+        let surface = self.shape.sample_area(u);
+        match &self.motion {
+            None => (surface, self.pdf_area(surface.ng, time)),
+            Some(motion) => {
+                let surface = moved(&surface, &motion.at(f64::from(time)));
+                (surface, self.pdf_area(surface.ng, time))
+            }
+        }
+    }
+
+    /// The density with which `sample_area` takes a point with geometric normal `ng`.
+    ///
+    /// A map M stretches the area of a surface whose image has the unit normal n by |det M| / |Mᵀn|.
+    ///
+    /// # Measure
+    /// Per m² of the object as it is at `time`.
+    #[expect(clippy::cast_possible_truncation, reason = "densities are f32")]
+    pub fn pdf_area(&self, ng: Vec3, time: f32) -> f32 {
+        let stretch = self.motion.as_ref().map_or(1.0, |motion| {
+            let m = motion.at(f64::from(time)).matrix3;
+            m.determinant().abs() / (m.transpose() * ng.as_dvec3()).length()
+        });
+        (1.0 / (self.shape.area() * stretch)) as f32
+    }
+}
+
+/// The image of a point of a surface, with the error bound that holds for rays traced in the shape's own space.
+fn moved(surface: &SurfacePoint, map: &DAffine3) -> SurfacePoint {
+    let m = map.matrix3;
+    let normal_map = m.inverse().transpose();
+    let turn = |n: Vec3| (normal_map * n.as_dvec3()).normalize().as_vec3();
+    let own = surface.point.as_dvec3();
+    let point = map.transform_point3(own).as_vec3();
+    // A ray that starts here is rounded to f32 in the shape's space, by half a unit in the last place of each coordinate,
+    // on top of the surface's own error; this point is rounded too, and the f64 map rounds sizes like `scale`.
+    let half_ulp = f64::from(0.5 * f32::EPSILON);
+    let own_error = surface.error.as_dvec3() + own.abs() * (half_ulp * 1.001);
+    let magnitudes = glam::DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    let scale: DVec3 = magnitudes * own.abs() + map.translation.abs();
+    let error = magnitudes * own_error + point.as_dvec3().abs() * half_ulp + scale * (32.0 * f64::EPSILON);
+    SurfacePoint {
+        point,
+        error: error.as_vec3() * (1.0 + f32::EPSILON),
+        ng: turn(surface.ng),
+        n: turn(surface.n),
+        uv: surface.uv,
+    }
+}

@@ -1,0 +1,118 @@
+//! Rank 2: points on surfaces, with the bound on their rounding error that keeps the next ray off them.
+
+use glam::{DVec3, Vec3};
+
+use crate::ray::Ray;
+
+/// A point on a surface in the render frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Where it is.
+    pub point: Vec3,
+    /// Bound on the distance of each coordinate of `point` from the surface that rays are traced against.
+    pub error: Vec3,
+    /// Unit geometric normal, on the side that the shape (or `flip_normals`) says.
+    pub ng: Vec3,
+    /// Unit shading normal.
+    pub n: Vec3,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+}
+
+/// Slack for the roundings inside `offset` itself: it does a few f32 operations, each within 2⁻²⁴.
+const SLACK: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+impl SurfacePoint {
+    /// The ray from this surface along the unit vector `direction`, starting just beyond the error bound on the side
+    /// that `direction` points to.
+    pub fn spawn(&self, direction: Vec3, time: f32) -> Ray {
+        Ray::new(self.offset(direction), direction, time)
+    }
+
+    /// The segment to `target`, which ends before `target`'s surface.
+    ///
+    /// It ends where it meets the tangent plane at `target` moved towards its origin by `target`'s error bound, and
+    /// so before the surface itself if that is flat or curved away.
+    ///
+    /// # Precision, limits
+    /// A direction has f32 components, so the segment passes `target` at up to 2⁻²⁴ of its length to the side.
+    pub fn spawn_to(&self, target: &Self, time: f32) -> Ray {
+        let to = (target.point - self.point).as_dvec3();
+        let origin = self.offset(to.as_vec3());
+        let ray = segment(origin, target.point, time);
+        let ng = target.ng.as_dvec3();
+        let margin = ng.abs().dot(target.error.as_dvec3()) * f64::from(SLACK);
+        let height = ng.dot(target.point.as_dvec3() - origin.as_dvec3());
+        let slope = ng.dot(ray.direction.as_dvec3());
+        let before = (height.abs() - margin) / slope.abs();
+        // Along a ray parallel to the target's plane `before` is NaN or infinite, and `min` keeps the distance.
+        Ray { t_max: round_down(f64::from(ray.t_max).min(before)), ..ray }
+    }
+
+    /// The segment to a point that lies on no surface.
+    pub fn spawn_to_point(&self, target: Vec3, time: f32) -> Ray {
+        segment(self.offset(target - self.point), target, time)
+    }
+
+    /// The point moved along `ng` beyond the error bound, to the side that `direction` points to.
+    ///
+    /// # Source
+    /// Pharr, Jakob, Humphreys, Physically Based Rendering 4e, section 6.8.6 (the bound's projection on the normal,
+    /// then one step outwards for the addition's own rounding).
+    pub fn offset(&self, direction: Vec3) -> Vec3 {
+        let distance = self.ng.abs().dot(self.error) * SLACK;
+        let side = if self.ng.dot(direction) < 0.0 { -1.0 } else { 1.0 };
+        let moved = self.ng * (distance * side);
+        let step = |p: f32, m: f32| match m {
+            m if m > 0.0 => (p + m).next_up(),
+            m if m < 0.0 => (p + m).next_down(),
+            _ => p,
+        };
+        let p = self.point;
+        Vec3::new(step(p.x, moved.x), step(p.y, moved.y), step(p.z, moved.z))
+    }
+}
+
+/// The segment between two points; its length is rounded down.
+fn segment(origin: Vec3, end: Vec3, time: f32) -> Ray {
+    let to: DVec3 = end.as_dvec3() - origin.as_dvec3();
+    let length = to.length();
+    // Two points that coincide have no direction; any with an empty segment will do.
+    let direction = if length > 0.0 { (to / length).as_vec3() } else { Vec3::Z };
+    Ray { t_max: round_down(length), ..Ray::new(origin, direction, time) }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounds to nearest, then one step down")]
+fn round_down(t: f64) -> f32 {
+    (t as f32).next_down().max(0.0)
+}
+
+/// Where a ray met the scene, as materials and lights see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interaction {
+    /// The point and its normals.
+    pub surface: SurfacePoint,
+    /// Unit vector back along the ray.
+    pub wo: Vec3,
+    /// The ray's moment.
+    pub time: f32,
+    /// Index of the object.
+    pub object: u32,
+}
+
+impl Interaction {
+    /// The ray that leaves along the unit vector `wi`.
+    pub fn spawn(&self, wi: Vec3) -> Ray {
+        self.surface.spawn(wi, self.time)
+    }
+
+    /// The segment to a point on another surface.
+    pub fn spawn_to(&self, target: &SurfacePoint) -> Ray {
+        self.surface.spawn_to(target, self.time)
+    }
+
+    /// The segment to a point that lies on no surface.
+    pub fn spawn_to_point(&self, target: Vec3) -> Ray {
+        self.surface.spawn_to_point(target, self.time)
+    }
+}

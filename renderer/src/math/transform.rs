@@ -1,0 +1,225 @@
+//! Affine maps that change with time.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+
+use crate::ParamError;
+use crate::math::bounds::Bounds;
+
+/// A keyed transform: between two keys the translation and the scale-and-shear part are interpolated linearly and the
+/// rotation turns at constant speed the short way round; before the first and after the last key it rests.
+///
+/// Each key M is split as T·R·S with S symmetric (polar decomposition), so that rigid motions stay rigid.
+///
+/// # Source
+/// Shoemake, Duff 1992, Matrix Animation and Polar Decomposition. Mitsuba 3 gives `animation` this meaning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    keys: Vec<Key>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Key {
+    time: f64,
+    affine: DAffine3,
+    translation: DVec3,
+    rotation: DQuat,
+    stretch: DMat3,
+}
+
+/// Largest turn of a piece of the motion whose ends' boxes are joined [rad]: the joint box is then padded by at most
+/// (π/16)²/8 = 0.5 % of the body's radius.
+const PIECE_TURN: f64 = std::f64::consts::PI / 16.0;
+
+impl Motion {
+    /// The motion that rests at `affine`.
+    ///
+    /// # Errors
+    /// As `keyed`.
+    pub fn fixed(affine: DAffine3) -> Result<Self, ParamError> {
+        Self::keyed(vec![(0.0, affine)])
+    }
+
+    /// The motion through `keys`, pairs of a time and a transform; times rise strictly.
+    ///
+    /// # Errors
+    /// `Empty` without keys, `NotFinite`, `OutOfRange` for times that don't rise or a reflection at some keys
+    /// only, `Singular`.
+    pub fn keyed(keys: Vec<(f64, DAffine3)>) -> Result<Self, ParamError> {
+        if keys.is_empty() {
+            return Err(ParamError::Empty { name: "motion", accepted: "at least one keyed transform" });
+        }
+        let keys =
+            keys.into_iter().map(|(time, affine)| Key::new(time, affine)).collect::<Result<Vec<_>, _>>()?;
+        for pair in keys.windows(2) {
+            if pair[1].time <= pair[0].time {
+                let accepted = "a time after the key before it";
+                return Err(ParamError::OutOfRange { name: "key time", value: pair[1].time, accepted });
+            }
+            let handedness = pair[0].affine.matrix3.determinant() * pair[1].affine.matrix3.determinant();
+            if handedness < 0.0 {
+                let (name, accepted) =
+                    ("product of two keys' determinants", "a reflection at all keys or at none");
+                return Err(ParamError::OutOfRange { name, value: handedness, accepted });
+            }
+        }
+        Ok(Self { keys })
+    }
+
+    /// Whether every moment has the same transform.
+    pub fn is_static(&self) -> bool {
+        self.keys.iter().all(|k| k.affine == self.keys[0].affine)
+    }
+
+    /// The transform at `time`.
+    ///
+    /// A key's own transform comes back bit for bit at the key's time, and at all times if all keys are equal.
+    pub fn at(&self, time: f64) -> DAffine3 {
+        let after = self.keys.partition_point(|k| k.time <= time);
+        if after == 0 {
+            return self.keys[0].affine;
+        }
+        let from = &self.keys[after - 1];
+        match self.keys.get(after) {
+            Some(to) => from.mix(to, (time - from.time) / (to.time - from.time)),
+            None => from.affine,
+        }
+    }
+
+    /// The map followed by `outer`, at all times.
+    ///
+    /// Rotation and translation of `outer` commute with the interpolation; a scale doesn't in general.
+    ///
+    /// # Errors
+    /// As `keyed`.
+    pub fn then(&self, outer: &DAffine3) -> Result<Self, ParamError> {
+        Self::keyed(self.keys.iter().map(|k| (k.time, *outer * k.affine)).collect())
+    }
+
+    /// A box that holds the image of `body` at every time in `[open, close]`.
+    ///
+    /// On a piece of h of a segment's unit parameter s, a point p(s) = T + R·S·x leaves the chord between the piece's
+    /// ends by at most h²/8 · max|p''|, and |p''| ≤ ω²|S·x| + 2ω|S'·x| with ω the segment's turn. The boxes of the two
+    /// ends, joined and grown by that much, hold the whole piece.
+    pub fn swept(&self, body: &Bounds, [open, close]: [f64; 2]) -> Bounds {
+        let ends = body.transformed(&self.at(open)).union(&body.transformed(&self.at(close)));
+        let mut all = ends;
+        for pair in self.keys.windows(2) {
+            let (a, b) = (open.max(pair[0].time), close.min(pair[1].time));
+            if a < b && pair[0].affine != pair[1].affine {
+                all = all.union(&sweep_segment(&pair[0], &pair[1], body, [a, b]));
+            }
+        }
+        // Composition in f64 rounds each coordinate within a few units of 2⁻⁵³ of the largest one.
+        let largest = all.min.abs().max(all.max.abs()).max_element();
+        all.grown(DVec3::splat(largest * f64::EPSILON * 32.0))
+    }
+}
+
+fn sweep_segment(from: &Key, to: &Key, body: &Bounds, [a, b]: [f64; 2]) -> Bounds {
+    let span = to.time - from.time;
+    let [s0, s1] = [(a - from.time) / span, (b - from.time) / span];
+    let turn = turn_between(from.rotation, to.rotation);
+    let pieces = ((s1 - s0) * turn / PIECE_TURN).ceil().max(1.0);
+    let h = (s1 - s0) / pieces;
+    let largest = |m: &DMat3| body.corners().iter().map(|c| (*m * *c).length()).fold(0.0, f64::max);
+    let radius = largest(&from.stretch).max(largest(&to.stretch));
+    let growth = largest(&(to.stretch - from.stretch));
+    let margin = h * h / 8.0 * (turn * turn * radius + 2.0 * turn * growth);
+    let mut all = Bounds::EMPTY;
+    let mut piece = 0.0;
+    while piece <= pieces {
+        all = all.union(&body.transformed(&from.mix(to, s0 + h * piece)));
+        piece += 1.0;
+    }
+    all.grown(DVec3::splat(margin))
+}
+
+impl Key {
+    fn new(time: f64, affine: DAffine3) -> Result<Self, ParamError> {
+        if !time.is_finite() {
+            return Err(ParamError::NotFinite { name: "key time", value: time });
+        }
+        check_affine("transform", &affine)?;
+        let (rotation, stretch) = polar(affine.matrix3);
+        Ok(Self { time, affine, translation: affine.translation, rotation, stretch })
+    }
+
+    fn mix(&self, to: &Self, s: f64) -> DAffine3 {
+        if s <= 0.0 || self.affine == to.affine {
+            return self.affine;
+        }
+        if s >= 1.0 {
+            return to.affine;
+        }
+        let stretch = self.stretch * (1.0 - s) + to.stretch * s;
+        let rotation = slerp(self.rotation, to.rotation, s);
+        DAffine3 {
+            matrix3: DMat3::from_quat(rotation) * stretch,
+            translation: self.translation.lerp(to.translation, s),
+        }
+    }
+}
+
+/// Refuses a transform that isn't finite or that flattens space.
+///
+/// Singular means that |det M| ≤ 2⁻⁴⁰ |a||b||c| over M's columns: below that the f32 geometry has no volume left.
+///
+/// # Errors
+/// `NotFinite`, `Singular`.
+pub fn check_affine(name: &'static str, affine: &DAffine3) -> Result<(), ParamError> {
+    if let Some(&value) = affine.to_cols_array().iter().find(|v| !v.is_finite()) {
+        return Err(ParamError::NotFinite { name, value });
+    }
+    let m = affine.matrix3;
+    let scale = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
+    let determinant = m.determinant();
+    // Written so that NaN, from products that overflow, is refused too.
+    if determinant.abs() > scale * 2f64.powi(-40) {
+        Ok(())
+    } else {
+        Err(ParamError::Singular { name, determinant })
+    }
+}
+
+/// M = R·S with R a proper rotation and S symmetric: definite, negative if M reflects.
+///
+/// Newton's iteration R ← (R + R⁻ᵀ)/2 converges quadratically from any invertible matrix.
+///
+/// # Source
+/// Higham 1986, Computing the Polar Decomposition, DOI 10.1137/0907079.
+fn polar(m: DMat3) -> (DQuat, DMat3) {
+    let mut r = m;
+    // From condition 2⁴⁰, forty halvings and six quadratic steps end at the rounding level.
+    for _ in 0..64 {
+        let next = (r + r.inverse().transpose()) * 0.5;
+        let change = (next - r).to_cols_array().iter().fold(0.0f64, |a, x| a.max(x.abs()));
+        r = next;
+        if change <= 4.0 * f64::EPSILON {
+            break;
+        }
+    }
+    let r = if r.determinant() < 0.0 { -r } else { r };
+    let s = r.transpose() * m;
+    (DQuat::from_mat3(&r).normalize(), (s + s.transpose()) * 0.5)
+}
+
+/// The angle of the rotation from `a` to `b`, the short way: in [0, π].
+fn turn_between(a: DQuat, b: DQuat) -> f64 {
+    2.0 * half_turn(a, if a.dot(b) < 0.0 { -b } else { b })
+}
+
+/// The angle between two unit quaternions, exact to rounding at 0 and at π/2 alike.
+fn half_turn(a: DQuat, b: DQuat) -> f64 {
+    2.0 * libm::atan2((b - a).length(), (a + b).length())
+}
+
+/// Turns from `a` to `b` the short way at constant speed.
+fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
+    let b = if a.dot(b) < 0.0 { -b } else { b };
+    let angle = half_turn(a, b);
+    if angle == 0.0 {
+        return a;
+    }
+    let mixed = a * libm::sin((1.0 - s) * angle) + b * libm::sin(s * angle);
+    mixed.normalize()
+}

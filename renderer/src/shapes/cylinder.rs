@@ -1,0 +1,114 @@
+//! Open cylinders.
+
+use glam::{DAffine3, DVec2, DVec3};
+
+use super::quadratic::roots;
+use super::{ShapeHit, accept, check_point, check_radius, rounded, turn, uniform_scale};
+use crate::ParamError;
+use crate::interaction::SurfacePoint;
+use crate::math::bounds::Bounds;
+use crate::ray::Ray;
+
+/// The lateral surface of a cylinder, without caps; its normals point outward.
+#[derive(Debug, Clone)]
+pub struct Cylinder {
+    base: DVec3,
+    /// Unit axes; the third runs along the cylinder.
+    axes: [DVec3; 3],
+    length: f64,
+    radius: f64,
+    sign: f64,
+}
+
+impl Cylinder {
+    pub(super) fn new(
+        [p0, p1]: [DVec3; 2],
+        radius: f64,
+        to_frame: &DAffine3,
+        flip: bool,
+    ) -> Result<Self, ParamError> {
+        check_point("p0", p0)?;
+        check_point("p1", p1)?;
+        check_radius(radius)?;
+        let scale = uniform_scale("scale of a cylinder", to_frame)?;
+        let length = (p1 - p0).length();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(ParamError::OutOfRange {
+                name: "length of a cylinder",
+                value: length,
+                accepted: "p0 ≠ p1",
+            });
+        }
+        let along = (p1 - p0) / length;
+        let (x, y) = along.any_orthonormal_pair();
+        Ok(Self {
+            base: to_frame.transform_point3(p0),
+            axes: [x, y, along].map(|a| to_frame.transform_vector3(a).normalize()),
+            length: length * scale,
+            radius: radius * scale,
+            sign: if flip { -1.0 } else { 1.0 },
+        })
+    }
+
+    /// Each end's circle reaches r·√(x² + y²) of its axes' components.
+    pub(super) fn bounds(&self) -> Bounds {
+        let [x, y, z] = self.axes;
+        let reach = (x * x + y * y).map(|c| c.sqrt() * self.radius * (1.0 + 8.0 * f64::EPSILON));
+        Bounds::of([self.base, self.base + z * self.length]).grown(reach)
+    }
+
+    /// A vector's components across and along the cylinder.
+    fn split(&self, v: DVec3) -> (DVec2, f64) {
+        let [x, y, z] = self.axes;
+        (DVec2::new(x.dot(v), y.dot(v)), z.dot(v))
+    }
+
+    /// The distances at which a ray meets the lateral surface between the ends.
+    fn distances(&self, ray: &Ray) -> [Option<f64>; 2] {
+        let (f, height) = self.split(ray.origin.as_dvec3() - self.base);
+        let (d, rise) = self.split(ray.direction.as_dvec3());
+        let (a, b) = (d.length_squared(), -f.dot(d));
+        let remainder = (f + d * (b / a)).length_squared();
+        match roots(a, b, f.length_squared(), remainder, self.radius) {
+            Some(both) => {
+                both.map(|t| Some(t).filter(|t| (0.0..=self.length).contains(&(height + rise * t))))
+            }
+            None => [None; 2],
+        }
+    }
+
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let t = self.distances(ray).into_iter().flatten().find(|t| *t > 0.0)?;
+        Some(ShapeHit { t: accept(t, ray.t_max)?, uv: [0.0; 2] })
+    }
+
+    /// Solves again, because the f32 distance is coarser than the surface.
+    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+        let t = f64::from(t);
+        let nearer = |a: f64, b: f64| if (a - t).abs() <= (b - t).abs() { a } else { b };
+        let exact = self.distances(ray).into_iter().flatten().reduce(nearer).unwrap_or(t);
+        let (across, height) =
+            self.split(ray.origin.as_dvec3() + ray.direction.as_dvec3() * exact - self.base);
+        self.point_at(across.normalize(), height)
+    }
+
+    fn point_at(&self, across: DVec2, height: f64) -> SurfacePoint {
+        let [x, y, z] = self.axes;
+        let outward = x * across.x + y * across.y;
+        let extent = self.base.abs().max_element() + self.radius + self.length;
+        let (point, error) = rounded(self.base + z * height + outward * self.radius, extent);
+        let n = (outward * self.sign).as_vec3();
+        #[expect(clippy::cast_possible_truncation, reason = "texture coordinates are f32")]
+        let uv = [turn(across.y, across.x), (height / self.length) as f32];
+        SurfacePoint { point, error, ng: n, n, uv }
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        std::f64::consts::TAU * self.radius * self.length
+    }
+
+    pub(super) fn sample_area(&self, [u, v]: [f32; 2]) -> SurfacePoint {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(u));
+        self.point_at(DVec2::new(cos, sin), f64::from(v) * self.length)
+    }
+}

@@ -1,0 +1,56 @@
+//! Disks and ellipses.
+
+use glam::DAffine3;
+
+use super::plane::Plane;
+use super::{ShapeHit, accept, turn};
+use crate::interaction::SurfacePoint;
+use crate::math::bounds::Bounds;
+use crate::ray::Ray;
+
+/// The image of the unit disk in the plane z = 0; its normal is that of +z.
+#[derive(Debug, Clone)]
+pub struct Disk {
+    plane: Plane,
+}
+
+impl Disk {
+    pub(super) fn new(to_frame: &DAffine3, flip: bool) -> Self {
+        Self { plane: Plane::new(to_frame, flip) }
+    }
+
+    /// The extreme of x·a + y·b over the unit disk is √(a² + b²) on each axis.
+    pub(super) fn bounds(&self) -> Bounds {
+        let p = &self.plane;
+        let reach = p.a * p.a + p.b * p.b;
+        Bounds::of([p.center]).grown(reach.map(|r| r.sqrt() * (1.0 + f64::EPSILON)))
+    }
+
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (t, [x, y]) = self.plane.cross(ray)?;
+        if x * x + y * y > 1.0 {
+            return None;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
+        let uv = [x as f32, y as f32];
+        Some(ShapeHit { t: accept(t, ray.t_max)?, uv })
+    }
+
+    /// Texture coordinates are the radius and the turn from the x axis.
+    pub(super) fn surface(&self, [x, y]: [f32; 2]) -> SurfacePoint {
+        let radius = (x * x + y * y).sqrt().min(1.0);
+        self.plane.surface([x, y], [radius, turn(f64::from(y), f64::from(x))])
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        std::f64::consts::PI * self.plane.jacobian()
+    }
+
+    /// Radius √u, angle 2πv: an affine map keeps it uniform.
+    #[expect(clippy::cast_possible_truncation, reason = "a point of the disk is two f32 numbers")]
+    pub(super) fn sample_area(&self, [u, v]: [f32; 2]) -> SurfacePoint {
+        let radius = f64::from(u).sqrt();
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(v));
+        self.plane.surface([(radius * cos) as f32, (radius * sin) as f32], [radius as f32, v])
+    }
+}

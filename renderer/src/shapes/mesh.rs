@@ -1,0 +1,192 @@
+//! Triangle meshes.
+
+use glam::{DAffine3, DVec3, Vec3};
+
+use super::triangle::ShearedRay;
+use super::{ShapeHit, accept, rounded};
+use crate::ParamError;
+use crate::interaction::SurfacePoint;
+use crate::math::bounds::Bounds;
+use crate::ray::Ray;
+
+/// A mesh as files hold it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeshData {
+    /// Vertex positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Vertex normals of any length, one a position.
+    pub normals: Option<Vec<[f32; 3]>>,
+    /// Texture coordinates, one a position.
+    pub uvs: Option<Vec<[f32; 2]>>,
+    /// Each triangle's three vertices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Whether vertex normals are left aside, so that the mesh looks faceted.
+    pub face_normals: bool,
+}
+
+/// A mesh in its frame.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    positions: Vec<Vec3>,
+    normals: Option<Vec<Vec3>>,
+    uvs: Option<Vec<[f32; 2]>>,
+    triangles: Vec<[u32; 3]>,
+    /// −1 where the cross product of a triangle's edges points against its normal.
+    sign: f64,
+    /// Area of all triangles up to and with each.
+    areas: Vec<f64>,
+}
+
+impl Mesh {
+    pub(super) fn new(data: &MeshData, to_frame: &DAffine3, flip: bool) -> Result<Self, ParamError> {
+        check(data)?;
+        let positions: Vec<Vec3> = data
+            .positions
+            .iter()
+            .map(|&p| to_frame.transform_point3(DVec3::from(p.map(f64::from))).as_vec3())
+            .collect();
+        // Vertex normals keep their side under a reflection; without them the turned-over winding decides.
+        let reflects = to_frame.matrix3.determinant() < 0.0;
+        let with_normals = data.normals.is_some() && !data.face_normals;
+        let sign = if flip != (reflects && with_normals) { -1.0 } else { 1.0 };
+        let to_normal = to_frame.matrix3.inverse().transpose() * if flip { -1.0 } else { 1.0 };
+        let turn = |n: &[f32; 3]| {
+            (to_normal * DVec3::from(n.map(f64::from)).normalize_or_zero()).normalize_or_zero()
+        };
+        let normals = data.normals.as_ref().filter(|_| with_normals);
+        let mut mesh = Self {
+            positions,
+            normals: normals.map(|all| all.iter().map(|n| turn(n).as_vec3()).collect()),
+            uvs: data.uvs.clone(),
+            triangles: data.triangles.clone(),
+            sign,
+            areas: Vec::new(),
+        };
+        let mut total = 0.0;
+        let sum = |i| {
+            total += 0.5 * mesh.cross(i).length();
+            total
+        };
+        mesh.areas = (0..mesh.triangle_count()).map(sum).collect();
+        Ok(mesh)
+    }
+
+    pub(super) fn triangle_count(&self) -> u32 {
+        u32::try_from(self.triangles.len()).expect("`check` bounds the number of triangles")
+    }
+
+    /// The vertices of a triangle.
+    pub fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// The cross product of two edges.
+    fn cross(&self, triangle: u32) -> DVec3 {
+        let [a, b, c] = self.vertices(triangle).map(|p| p.as_dvec3());
+        (b - a).cross(c - a)
+    }
+
+    pub(super) fn triangle_bounds(&self, triangle: u32) -> Bounds {
+        Bounds::of(self.vertices(triangle).map(|p| p.as_dvec3()))
+    }
+
+    pub(super) fn intersect(&self, triangle: u32, ray: &Ray) -> Option<ShapeHit> {
+        let (t, weights) = ShearedRay::new(ray).intersect(self.vertices(triangle))?;
+        #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
+        let uv = weights.map(|w| w as f32);
+        Some(ShapeHit { t: accept(t, ray.t_max)?, uv })
+    }
+
+    /// The point of a triangle with weights `v` and `w` of its second and third vertex.
+    ///
+    /// Texture coordinates are the weights where the mesh has none.
+    pub(super) fn surface(&self, triangle: u32, [v, w]: [f32; 2]) -> SurfacePoint {
+        let corners = self.triangles[triangle as usize].map(|i| i as usize);
+        let [a, b, c] = corners.map(|i| self.positions[i].as_dvec3());
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        // Heights over the plane are evaluated to within this size: needles lose digits in e1 × e2.
+        let edges = e1.length() * e2.length();
+        let extent = (e1.length() + e2.length() + a.abs().max_element()) * (1.0 + edges / cross.length());
+        let (point, error) = rounded(a + e1 * f64::from(v) + e2 * f64::from(w), extent);
+        let ng = (cross.normalize() * self.sign).as_vec3();
+        let u = 1.0 - v - w;
+        let n = match &self.normals {
+            Some(all) => {
+                let [na, nb, nc] = corners.map(|i| all[i]);
+                (na * u + nb * v + nc * w).try_normalize().unwrap_or(ng)
+            }
+            None => ng,
+        };
+        let uv = match &self.uvs {
+            Some(all) => {
+                let [ta, tb, tc] = corners.map(|i| all[i]);
+                [0, 1].map(|i| ta[i] * u + tb[i] * v + tc[i] * w)
+            }
+            None => [v, w],
+        };
+        SurfacePoint { point, error, ng, n, uv }
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        self.areas.last().copied().unwrap_or(0.0)
+    }
+
+    /// Chooses a triangle by its share of the area from `u`'s first number, whose place within the share serves again.
+    ///
+    /// # Precision, limits
+    /// The first number has 24 bits, so with T equal triangles the place within one has 24 − log₂ T.
+    #[expect(clippy::cast_possible_truncation, reason = "numbers in [0, 1]")]
+    pub(super) fn sample_area(&self, [u0, u1]: [f32; 2]) -> SurfacePoint {
+        let target = f64::from(u0) * self.area();
+        let chosen = self.areas.partition_point(|&sum| sum <= target).min(self.areas.len() - 1);
+        let before = if chosen == 0 { 0.0 } else { self.areas[chosen - 1] };
+        let place = ((target - before) / (self.areas[chosen] - before)).clamp(0.0, 1.0);
+        // An area-preserving map: density 1/2 of the parallelogram's.
+        let root = place.sqrt();
+        let (v, w) = (root * (1.0 - f64::from(u1)), root * f64::from(u1));
+        self.surface(
+            u32::try_from(chosen).expect("`check` bounds the number of triangles"),
+            [v as f32, w as f32],
+        )
+    }
+}
+
+/// Refuses numbers that aren't finite, lists of unequal length and indices that point at nothing.
+fn check(data: &MeshData) -> Result<(), ParamError> {
+    if data.triangles.is_empty() {
+        return Err(ParamError::Empty { name: "mesh", accepted: "at least one triangle" });
+    }
+    check_finite("vertex position", data.positions.iter().flatten().copied())?;
+    check_finite("vertex normal", data.normals.iter().flatten().flatten().copied())?;
+    check_finite("texture coordinate", data.uvs.iter().flatten().flatten().copied())?;
+    let count = data.positions.len() as u64;
+    let same = |name, length: Option<usize>| match length {
+        Some(n) if n as u64 != count => Err(ParamError::Index { name, index: n as u64, last: count }),
+        _ => Ok(()),
+    };
+    same("number of vertex normals", data.normals.as_ref().map(Vec::len))?;
+    same("number of texture coordinates", data.uvs.as_ref().map(Vec::len))?;
+    if u32::try_from(data.triangles.len()).is_err() {
+        return Err(ParamError::Index {
+            name: "number of triangles",
+            index: data.triangles.len() as u64,
+            last: u64::from(u32::MAX),
+        });
+    }
+    match data.triangles.iter().flatten().find(|&&i| u64::from(i) >= count) {
+        Some(&i) => Err(ParamError::Index {
+            name: "vertex index",
+            index: u64::from(i),
+            last: count.saturating_sub(1),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn check_finite(name: &'static str, mut list: impl Iterator<Item = f32>) -> Result<(), ParamError> {
+    match list.find(|c| !c.is_finite()) {
+        Some(value) => Err(ParamError::NotFinite { name, value: f64::from(value) }),
+        None => Ok(()),
+    }
+}

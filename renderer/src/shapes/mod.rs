@@ -1,0 +1,261 @@
+//! Rank 3: surfaces that rays meet and lights are sampled on. A shape is a list of elements (a mesh's triangles; one
+//! for the others), each with a box, an intersection, a surface and a share of the area.
+
+mod cube;
+mod cylinder;
+mod disk;
+mod mesh;
+mod plane;
+mod quadratic;
+mod rectangle;
+mod sphere;
+pub mod triangle;
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+
+pub use cylinder::Cylinder;
+pub use disk::Disk;
+pub use mesh::{Mesh, MeshData};
+pub use rectangle::Rectangle;
+pub use sphere::Sphere;
+
+use crate::ParamError;
+use crate::interaction::SurfacePoint;
+use crate::math::bounds::Bounds;
+use crate::math::transform::check_affine;
+use crate::ray::Ray;
+
+/// A shape before it is placed, with Mitsuba's canonical forms.
+#[derive(Debug, Clone)]
+pub enum ShapeSettings {
+    /// The sphere around `center`; normals outward.
+    Sphere {
+        /// Its centre.
+        center: DVec3,
+        /// Its radius, positive.
+        radius: f64,
+    },
+    /// [−1, 1]² in the plane z = 0, facing +z.
+    Rectangle,
+    /// The unit disk in the plane z = 0, facing +z.
+    Disk,
+    /// The lateral surface of the cylinder from `p0` to `p1`, open at both ends; normals outward.
+    Cylinder {
+        /// One end of the axis.
+        p0: DVec3,
+        /// The other end.
+        p1: DVec3,
+        /// Its radius, positive.
+        radius: f64,
+    },
+    /// The surface of [−1, 1]³; normals outward.
+    Cube,
+    /// Triangles.
+    Mesh(Arc<MeshData>),
+}
+
+/// Where a ray met one element of a shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShapeHit {
+    /// Distance along the ray, in (0, `t_max`).
+    pub t: f32,
+    /// The element's own parameters of the point.
+    pub uv: [f32; 2],
+}
+
+/// A shape placed in its frame.
+#[derive(Debug, Clone)]
+pub enum Shape {
+    /// A sphere.
+    Sphere(Sphere),
+    /// A parallelogram.
+    Rectangle(Rectangle),
+    /// An ellipse.
+    Disk(Disk),
+    /// The lateral surface of a cylinder.
+    Cylinder(Cylinder),
+    /// Triangles.
+    Mesh(Mesh),
+}
+
+impl Shape {
+    /// Places a shape by `to_frame`, composed in f64, with its normals turned over if `flip_normals`.
+    ///
+    /// # Errors
+    /// `NotFinite`; `Singular` transforms; `OutOfRange` for a radius that isn't positive or a scale that would turn a
+    /// sphere or cylinder into something else; `Empty` shapes without area; `Index` beyond a mesh's vertices.
+    pub fn new(
+        settings: &ShapeSettings,
+        to_frame: &DAffine3,
+        flip_normals: bool,
+    ) -> Result<Self, ParamError> {
+        check_affine("to_world", to_frame)?;
+        let shape = match settings {
+            ShapeSettings::Sphere { center, radius } => {
+                Self::Sphere(Sphere::new(*center, *radius, to_frame, flip_normals)?)
+            }
+            ShapeSettings::Rectangle => Self::Rectangle(Rectangle::new(to_frame, flip_normals)),
+            ShapeSettings::Disk => Self::Disk(Disk::new(to_frame, flip_normals)),
+            ShapeSettings::Cylinder { p0, p1, radius } => {
+                Self::Cylinder(Cylinder::new([*p0, *p1], *radius, to_frame, flip_normals)?)
+            }
+            ShapeSettings::Cube => Self::Mesh(Mesh::new(&cube::data(), to_frame, flip_normals)?),
+            ShapeSettings::Mesh(data) => Self::Mesh(Mesh::new(data, to_frame, flip_normals)?),
+        };
+        check_extent(&shape)?;
+        Ok(shape)
+    }
+
+    /// Number of elements, at least 1.
+    pub fn element_count(&self) -> u32 {
+        match self {
+            Self::Mesh(mesh) => mesh.triangle_count(),
+            _ => 1,
+        }
+    }
+
+    /// A box that holds the element.
+    pub fn element_bounds(&self, element: u32) -> Bounds {
+        match self {
+            Self::Sphere(s) => s.bounds(),
+            Self::Rectangle(r) => r.bounds(),
+            Self::Disk(d) => d.bounds(),
+            Self::Cylinder(c) => c.bounds(),
+            Self::Mesh(m) => m.triangle_bounds(element),
+        }
+    }
+
+    /// A box that holds the whole shape.
+    pub fn bounds(&self) -> Bounds {
+        (0..self.element_count()).fold(Bounds::EMPTY, |b, e| b.union(&self.element_bounds(e)))
+    }
+
+    /// The nearest hit of an element with t in (0, `t_max`). The ray's direction may have any length.
+    pub fn intersect(&self, element: u32, ray: &Ray) -> Option<ShapeHit> {
+        match self {
+            Self::Sphere(s) => s.intersect(ray),
+            Self::Rectangle(r) => r.intersect(ray),
+            Self::Disk(d) => d.intersect(ray),
+            Self::Cylinder(c) => c.intersect(ray),
+            Self::Mesh(m) => m.intersect(element, ray),
+        }
+    }
+
+    /// The surface at a hit that `intersect` found with the same ray.
+    pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
+        match self {
+            Self::Sphere(s) => s.surface(ray, hit.t),
+            Self::Rectangle(r) => r.surface(hit.uv),
+            Self::Disk(d) => d.surface(hit.uv),
+            Self::Cylinder(c) => c.surface(ray, hit.t),
+            Self::Mesh(m) => m.surface(element, hit.uv),
+        }
+    }
+
+    /// The area [m²].
+    pub fn area(&self) -> f64 {
+        match self {
+            Self::Sphere(s) => s.area(),
+            Self::Rectangle(r) => r.area(),
+            Self::Disk(d) => d.area(),
+            Self::Cylinder(c) => c.area(),
+            Self::Mesh(m) => m.area(),
+        }
+    }
+
+    /// The point of the surface for `u` in [0, 1)²: uniform by area.
+    ///
+    /// # Measure
+    /// `pdf_area` = 1 / `area()` per m².
+    pub fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
+        match self {
+            Self::Sphere(s) => s.sample_area(u),
+            Self::Rectangle(r) => r.sample_area(u),
+            Self::Disk(d) => d.sample_area(u),
+            Self::Cylinder(c) => c.sample_area(u),
+            Self::Mesh(m) => m.sample_area(u),
+        }
+    }
+}
+
+/// Refuses shapes that f32 can't hold or that have no area.
+fn check_extent(shape: &Shape) -> Result<(), ParamError> {
+    let b = shape.bounds();
+    let value = b.min.abs().max(b.max.abs()).max_element();
+    // Squares of distances must stay finite in f32.
+    if !(value < 1e18) {
+        return Err(ParamError::OutOfRange { name: "coordinate", value, accepted: "below 1e18" });
+    }
+    if shape.area() > 0.0 {
+        Ok(())
+    } else {
+        Err(ParamError::Empty { name: "shape", accepted: "a positive area" })
+    }
+}
+
+/// The uniform scale of a map.
+///
+/// # Errors
+/// `OutOfRange` if it shears or scales axes differently by more than 1e-5 (f32 transforms in files round to 1e-7, and a
+/// product of a few of them stays well below).
+fn uniform_scale(name: &'static str, map: &DAffine3) -> Result<f64, ParamError> {
+    let m = map.matrix3;
+    let scale = m.determinant().abs().cbrt();
+    let gram = m.transpose() * m * (1.0 / (scale * scale)) - glam::DMat3::IDENTITY;
+    let value = gram.to_cols_array().iter().fold(0.0f64, |a, x| a.max(x.abs()));
+    if value <= 1e-5 {
+        Ok(scale)
+    } else {
+        Err(ParamError::OutOfRange {
+            name,
+            value,
+            accepted: "a rotation and uniform scale (distortion at most 1e-5)",
+        })
+    }
+}
+
+/// Refuses a radius that isn't finite and positive.
+fn check_radius(value: f64) -> Result<(), ParamError> {
+    if !value.is_finite() {
+        Err(ParamError::NotFinite { name: "radius", value })
+    } else if value <= 0.0 {
+        Err(ParamError::OutOfRange { name: "radius", value, accepted: "a positive number" })
+    } else {
+        Ok(())
+    }
+}
+
+/// Refuses a point with a coordinate that isn't finite.
+fn check_point(name: &'static str, p: DVec3) -> Result<(), ParamError> {
+    match p.to_array().into_iter().find(|c| !c.is_finite()) {
+        Some(value) => Err(ParamError::NotFinite { name, value }),
+        None => Ok(()),
+    }
+}
+
+/// Rounds an f64 point to f32 with the bound on its distance from the surface: half a unit in the last place of each
+/// coordinate, and `extent` · 2⁻⁴⁶ for the f64 roundings of this evaluation and of the intersection (each has fewer
+/// than a hundred, within 2⁻⁵³ of `extent`, the size of the numbers that went in).
+#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is what the bound accounts for")]
+fn rounded(p: DVec3, extent: f64) -> (glam::Vec3, glam::Vec3) {
+    let point = p.as_vec3();
+    let small = (extent * 2f64.powi(-46)) as f32;
+    let half_ulp = point.abs().map(|c| c * (0.5 * f32::EPSILON) + f32::MIN_POSITIVE);
+    (point, half_ulp + small)
+}
+
+/// A distance as f32, if it rounds to a number in (0, `t_max`).
+#[expect(clippy::cast_possible_truncation, reason = "rounded first, compared after")]
+fn accept(t: f64, t_max: f32) -> Option<f32> {
+    let t = t as f32;
+    (t > 0.0 && t < t_max).then_some(t)
+}
+
+/// Texture coordinate of an angle: `atan2(y, x)` / 2π in [0, 1).
+#[expect(clippy::cast_possible_truncation, reason = "texture coordinates are f32")]
+fn turn(y: f64, x: f64) -> f32 {
+    let angle = libm::atan2f(y as f32, x as f32) * (0.5 * std::f32::consts::FRAC_1_PI);
+    if angle < 0.0 { (angle + 1.0).min(1.0f32.next_down()) } else { angle }
+}

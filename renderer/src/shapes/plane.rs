@@ -1,0 +1,69 @@
+//! Planes with two axes: what parallelograms and ellipses share.
+
+use glam::{DAffine3, DVec3};
+
+use super::rounded;
+use crate::interaction::SurfacePoint;
+use crate::ray::Ray;
+
+/// The image of the plane z = 0 under an affine map: points center + x·a + y·b.
+#[derive(Debug, Clone)]
+pub(super) struct Plane {
+    pub(super) center: DVec3,
+    pub(super) a: DVec3,
+    pub(super) b: DVec3,
+    /// a × b, not unit.
+    cross: DVec3,
+    /// Vectors whose dot product with a point of the plane is its x or y.
+    dual_a: DVec3,
+    dual_b: DVec3,
+    normal: glam::Vec3,
+    extent: f64,
+}
+
+impl Plane {
+    pub(super) fn new(to_frame: &DAffine3, flip: bool) -> Self {
+        let m = to_frame.matrix3;
+        let (center, a, b) = (to_frame.translation, m.x_axis, m.y_axis);
+        let cross = a.cross(b);
+        let square = cross.length_squared();
+        // The normal is the inverse transpose's image of +z: a × b unless the map reflects.
+        let outward = cross.normalize() * m.determinant().signum();
+        Self {
+            center,
+            a,
+            b,
+            cross,
+            dual_a: b.cross(cross) / square,
+            dual_b: cross.cross(a) / square,
+            normal: if flip { -outward } else { outward }.as_vec3(),
+            // Heights over the plane are evaluated to within this size: skew axes lose digits in a × b.
+            extent: (center.abs().max_element() + a.length() + b.length())
+                * (1.0 + a.length() * b.length() / square.sqrt()),
+        }
+    }
+
+    /// |a × b|: the area per unit of x and y.
+    pub(super) fn jacobian(&self) -> f64 {
+        self.cross.length()
+    }
+
+    /// Distance and coordinates of the point where a ray crosses the plane; `None` if it runs parallel.
+    pub(super) fn cross(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {
+        let (o, d) = (ray.origin.as_dvec3() - self.center, ray.direction.as_dvec3());
+        let slope = self.cross.dot(d);
+        if slope == 0.0 {
+            return None;
+        }
+        let t = -self.cross.dot(o) / slope;
+        let p = o + d * t;
+        Some((t, [self.dual_a.dot(p), self.dual_b.dot(p)]))
+    }
+
+    /// The point at (x, y), with texture coordinates `uv`.
+    pub(super) fn surface(&self, [x, y]: [f32; 2], uv: [f32; 2]) -> SurfacePoint {
+        let p = self.center + self.a * f64::from(x) + self.b * f64::from(y);
+        let (point, error) = rounded(p, self.extent);
+        SurfacePoint { point, error, ng: self.normal, n: self.normal, uv }
+    }
+}

@@ -1,0 +1,104 @@
+//! Spheres.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::quadratic::roots;
+use super::{ShapeHit, accept, check_point, check_radius, rounded, turn, uniform_scale};
+use crate::ParamError;
+use crate::interaction::SurfacePoint;
+use crate::math::bounds::Bounds;
+use crate::ray::Ray;
+
+/// A sphere; its normals point outward.
+#[derive(Debug, Clone)]
+pub struct Sphere {
+    center: DVec3,
+    radius: f64,
+    /// Directions of the frame to directions of the sphere's own space.
+    to_object: DMat3,
+    sign: f64,
+}
+
+impl Sphere {
+    pub(super) fn new(
+        center: DVec3,
+        radius: f64,
+        to_frame: &DAffine3,
+        flip: bool,
+    ) -> Result<Self, ParamError> {
+        check_point("center", center)?;
+        check_radius(radius)?;
+        let scale = uniform_scale("scale of a sphere", to_frame)?;
+        Ok(Self {
+            center: to_frame.transform_point3(center),
+            radius: radius * scale,
+            to_object: to_frame.matrix3.inverse() * scale,
+            sign: if flip { -1.0 } else { 1.0 },
+        })
+    }
+
+    /// The centre.
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The radius.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Whether the normals point inward.
+    pub fn is_flipped(&self) -> bool {
+        self.sign < 0.0
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        Bounds::of([self.center]).grown(DVec3::splat(self.radius))
+    }
+
+    fn distances(&self, ray: &Ray) -> Option<[f64; 2]> {
+        let d = ray.direction.as_dvec3();
+        let f = ray.origin.as_dvec3() - self.center;
+        let (a, b) = (d.length_squared(), -f.dot(d));
+        roots(a, b, f.length_squared(), (f + d * (b / a)).length_squared(), self.radius)
+    }
+
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let [near, far] = self.distances(ray)?;
+        let t = accept(if near > 0.0 { near } else { far }, ray.t_max)?;
+        Some(ShapeHit { t, uv: [0.0; 2] })
+    }
+
+    /// Solves again, because the f32 distance is coarser than the surface.
+    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+        let t = f64::from(t);
+        let exact = self.distances(ray).map_or(t, |[near, far]| if far - t < t - near { far } else { near });
+        let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * exact;
+        self.point_towards((p - self.center).normalize())
+    }
+
+    fn point_towards(&self, outward: DVec3) -> SurfacePoint {
+        let extent = self.center.abs().max_element() + self.radius;
+        let (point, error) = rounded(self.center + outward * self.radius, extent);
+        let n = (outward * self.sign).as_vec3();
+        let local = self.to_object * outward;
+        let v = libm::atan2(local.truncate().length(), local.z) * std::f64::consts::FRAC_1_PI;
+        #[expect(clippy::cast_possible_truncation, reason = "texture coordinates are f32")]
+        let uv = [turn(local.y, local.x), v as f32];
+        SurfacePoint { point, error, ng: n, n, uv }
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        4.0 * std::f64::consts::PI * self.radius * self.radius
+    }
+
+    /// z is uniform on [−1, 1] (Archimedes) and the angle around it on [0, 2π).
+    pub(super) fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
+        let [u0, u1] = u.map(f64::from);
+        let z = 1.0 - 2.0 * u0;
+        // 1 − z² without cancellation near the poles.
+        let r = 2.0 * (u0 * (1.0 - u0)).sqrt();
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * u1);
+        self.point_towards(DVec3::new(r * cos, r * sin, z))
+    }
+}
