@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::math::Frame;
 use crate::ray::Ray;
 
 /// A point on a surface in the render frame.
@@ -114,5 +115,10 @@ impl Interaction {
     /// The segment to a point that lies on no surface.
     pub fn spawn_to_point(&self, target: Vec3) -> Ray {
         self.surface.spawn_to_point(target, self.time)
+    }
+
+    /// The local frame, whose z axis is the shading normal.
+    pub fn frame(&self) -> Frame {
+        Frame::from_z(self.surface.n)
     }
 }
