@@ -25,6 +25,11 @@ pub fn count(value: u64) -> String {
     three(Some(value))
 }
 
+/// Writes a probability; one that is too small for its type as such, since no probability of a result that happened is zero.
+pub fn probability(value: Option<f64>) -> String {
+    if value == Some(0.0) { String::from("< 1e-300") } else { three(value) }
+}
+
 /// A decimal fraction without zeros at its end.
 fn without_zeros(digits: &str) -> &str {
     if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }

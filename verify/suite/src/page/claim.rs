@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::heat::Cells;
 use super::{convergence, curve, heat};
-use crate::figures::three;
+use crate::figures::{count, probability, three};
 use crate::report::{ClaimReport, PictureData};
 
 /// The part of a row that opens.
@@ -27,8 +27,8 @@ fn figures(claim: &ClaimReport) -> Markup {
         p {
             (claim.method) ": statistic " (three(claim.statistic))
             @if claim.dof.is_some() { " with " (three(claim.dof)) " degrees of freedom" }
-            @if claim.p_value.is_some() { ", p = " (three(claim.p_value)) }
-            ", from " (claim.n) " samples"
+            @if claim.p_value.is_some() { ", p = " (probability(claim.p_value)) }
+            ", from " (count(claim.n)) " samples"
             @if claim.runs > 1 { " in run " (claim.runs) " of at most 3" }
             "."
         }
@@ -47,7 +47,7 @@ fn controls(claim: &ClaimReport) -> Markup {
                 @for control in &claim.controls {
                     tr {
                         td { (control.name) }
-                        td { (three(control.p_value)) }
+                        td { (probability(control.p_value)) }
                         td { @if control.rejected { "rejected" } @else { span.badge.fails { "accepted: the test is blind to it" } } }
                     }
                 }

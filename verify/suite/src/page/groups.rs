@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use verify::claim::Verdict;
 
 use super::claim;
-use crate::figures::{count, three};
+use crate::figures::{count, probability, three};
 use crate::report::ClaimReport;
 
 /// One section a group, in the order in which groups first appear.
@@ -16,7 +16,7 @@ pub(super) fn sections(claims: &[ClaimReport]) -> Markup {
                 h2 { (group[0].group()) small { " " (holding) " of " (group.len()) " hold" } }
                 div.row.head aria-hidden="true" {
                     span { "verdict" } span { "claim" } span { "defect: at most / bound" } span { "would have caught" } span { "p" } span { "samples" }
-                    span { "wrong versions" } span { "time" }
+                    span { "wrong versions rejected" } span { "time" }
                 }
                 @for claim in group { (row(claim)) }
             }
@@ -33,9 +33,9 @@ fn row(claim: &ClaimReport) -> Markup {
                 span.says { (claim.says) code { (claim.id) } }
                 span.limit { i { "defect: at most / bound" } (limit(claim)) }
                 span { i { "would have caught" } "≥ " (three(claim.resolves.value)) }
-                span { i { "p" } (three(claim.p_value)) }
+                span { i { "p" } (probability(claim.p_value)) }
                 span { i { "samples" } (count(claim.n)) }
-                span { i { "wrong versions" } @if claim.controls.is_empty() { "–" } @else { (rejected) " of " (claim.controls.len()) " rejected" } }
+                span { i { "wrong versions rejected" } @if claim.controls.is_empty() { "–" } @else { (rejected) " of " (claim.controls.len()) } }
                 span { i { "time" } (format!("{:.2} s", claim.seconds)) }
             }
             (claim::details(claim))
