@@ -4,13 +4,20 @@
 
 pub mod chi_square;
 pub mod claim;
+pub mod convergence;
+pub mod discrepancy;
 pub mod domain;
 pub mod error;
 pub mod estimate;
+pub mod goodness;
 pub mod histogram;
+pub mod image;
+pub mod independence;
 pub mod integrands;
 pub mod irradiance;
+pub mod linear_complexity;
 pub mod mean;
+pub mod nets;
 pub mod points;
 pub mod power;
 pub mod quadrature;

@@ -1,23 +1,16 @@
 //! Seeds that derive from a run's seed: far apart for neighbouring indices, the same on every machine.
 
+use crate::points::mix;
+
 /// Derives the seed of item `index` of stream `stream` from `seed`.
 ///
 /// Three rounds of a bijective 64-bit mixer, so that for a fixed seed and stream no two indices share a seed.
 ///
 /// # Source
-/// The finaliser is Stafford's variant 13, as in Steele, Lea, Flood 2014, 10.1145/2660193.2660195.
+/// The finaliser of `SplitMix64`: Steele, Lea, Flood 2014, 10.1145/2660193.2660195.
 #[must_use]
 pub fn derive(seed: u64, stream: u64, index: u64) -> u64 {
-    let golden = 0x9e37_79b9_7f4a_7c15_u64;
-    let first = mix(seed.wrapping_add(golden));
-    let second = mix((first ^ stream).wrapping_add(golden));
-    mix((second ^ index).wrapping_add(golden))
-}
-
-fn mix(mut z: u64) -> u64 {
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    mix(mix(mix(seed) ^ stream) ^ index)
 }
 
 /// Independent numbers for tests of tests: the counter `index` of `seed`, hashed to [0, 1).

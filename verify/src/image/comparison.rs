@@ -1,0 +1,318 @@
+use super::Image;
+use super::welch::{Difference, Sum};
+use crate::claim::{Evidence, REJECTION_LEVEL, Resolution, SINGLE_RUN_LEVEL, Verdict};
+use crate::error::InputError;
+use crate::estimate::LARGEST_SHARE;
+use crate::power::chi_square_sf;
+use crate::tails::{positive, t_noncentrality};
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+/// Relative rounding of pixels stored as f32: two conversions and a few operations, 2^-24 each.
+const ROUNDING: f64 = 1e-6;
+/// Level beyond which a pixel counts.
+const PIXEL_LEVEL: f64 = 0.01;
+/// Number of tests that share the level: whole image, worst tile, all tiles.
+const TESTS: f64 = 3.0;
+
+/// What a comparison of two images found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// `Fails` where "the same" is rejected at 1e-9, `Holds` where the bias is below the bound with 99.9 % confidence.
+    pub verdict: Verdict,
+    /// 100·(mean A − mean B)/mean B, over all pixels and channels; with its sign.
+    pub bias_percent: f64,
+    /// 99.9 % confidence limits of `bias_percent`; NaN where errors are unknown.
+    pub interval: [f64; 2],
+    /// Bound on |bias|, percent.
+    pub bound: f64,
+    /// The means of the whole images.
+    pub pooled: Pooled,
+    /// The 16×16 tiles.
+    pub tiles: Tiles,
+    /// The pixels, as a count.
+    pub pixels: Pixels,
+    /// Whether both sides know their errors; without, there is no verdict.
+    pub error_known: bool,
+    /// The same as evidence, whose defect is |bias| in percent.
+    pub evidence: Evidence,
+}
+
+/// Means of the whole images.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pooled {
+    /// Mean of A over pixels and channels.
+    pub mean_a: f64,
+    /// Mean of B.
+    pub mean_b: f64,
+    /// Standard error of mean A − mean B.
+    pub standard_error: f64,
+    /// Welch's t of that difference.
+    pub t: f64,
+    /// Its degrees of freedom.
+    pub dof: f64,
+    /// Two-sided p of that difference.
+    pub p_value: f64,
+    /// Smallest p of the single channels' differences, uncorrected.
+    pub channel_p_value: f64,
+    /// Smallest bias, percent, that the whole comparison finds at 1e-3 with power 0.9.
+    pub resolution_percent: f64,
+}
+
+/// The tiles' sums.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tiles {
+    /// Number of tiles.
+    pub count: usize,
+    /// Index of the worst tile, in rows.
+    pub worst: usize,
+    /// p of the worst tile and channel, times the number of tiles and channels.
+    pub worst_p_value: f64,
+    /// Σ over tiles of squared normal scores, chi-square with `count` degrees of freedom.
+    pub chi_square: f64,
+    /// p of that statistic.
+    pub chi_square_p_value: f64,
+    /// Normal score of each tile's difference over all channels, with its sign, in rows.
+    pub scores: Vec<f64>,
+}
+
+/// Pixels whose difference is beyond their errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pixels {
+    /// Number of pixels.
+    pub count: usize,
+    /// How many are beyond the level in any channel.
+    pub beyond: u64,
+    /// How many equal images would have, at most.
+    pub expected: f64,
+    /// Probability of so many, if pixels' errors were exactly normal.
+    pub p_value: f64,
+}
+
+/// Compares two images of the same size.
+///
+/// Error model: a sum over pixels has the sum of their variances and Satterthwaite's degrees of freedom; where seeds are known, the
+/// variance is that of the sum between seeds. Differences are Welch's. p = min(1, 3·min(whole, worst tile, all tiles)), each corrected for
+/// the number of its tiles and channels. There is no floor under a variance: where both are zero, equal means pass and others fail.
+///
+/// * `bound_percent`: bound on |mean A − mean B|/mean B.
+///
+/// # Errors
+/// [`InputError::Parameter`] for a mean of B that is not above 0 or a bound that is not; [`InputError::Subject`] for different sizes.
+pub fn compare(a: &Image, b: &Image, bound_percent: f64) -> Result<Comparison, InputError> {
+    positive("bound", bound_percent)?;
+    if (a.size, a.channels) != (b.size, b.channels) {
+        let size = |i: &Image| format!("{}×{} pixels of {} channels", i.size[0], i.size[1], i.channels);
+        return Err(InputError::Subject(format!("A has {}, B has {}", size(a), size(b))));
+    }
+    let error_known = a.error_known() && b.error_known();
+    let (whole_a, whole_b) = (a.whole(), b.whole());
+    let (sum_a, sum_b) = (whole_a[a.channels], whole_b[b.channels]);
+    positive("mean of B", sum_b.mean)?;
+    let differences = differences(&whole_a, &whole_b);
+    let total = differences[a.channels];
+    // The quotient's variance, to first order in the error of B.
+    let ratio = sum_a.mean / sum_b.mean;
+    let quotient = Difference { error: (sum_a.variance + ratio * ratio * sum_b.variance).sqrt(), ..total };
+    let percent = 100.0 / sum_b.mean;
+    let (bias_percent, half) = (percent * total.value, percent * quotient.half_width(REJECTION_LEVEL));
+    let tests = TESTS * (a.channels + 1) as f64;
+    let shift = t_noncentrality(REJECTION_LEVEL / tests, 0.9, total.dof);
+    let entries = a.mean.len() as f64;
+    let pooled = Pooled {
+        mean_a: sum_a.mean / entries,
+        mean_b: sum_b.mean / entries,
+        standard_error: total.error / entries,
+        t: total.t,
+        dof: total.dof,
+        p_value: total.p_value(),
+        channel_p_value: smallest(&differences[..a.channels]),
+        resolution_percent: 100.0 * ROUNDING + percent * shift * total.error,
+    };
+    let tiles = tiles(a, b);
+    let pixels = pixels(a, b);
+    let interval = [bias_percent - half, bias_percent + half];
+    let whole = pooled.p_value.min(pooled.channel_p_value) * (a.channels + 1) as f64;
+    let p_value = (TESTS * whole.min(tiles.worst_p_value).min(tiles.chi_square_p_value)).min(1.0);
+    let evidence =
+        evidence(&pooled, &tiles, p_value, [bias_percent, half, bound_percent], doubts(a, b, &pixels));
+    let verdict = evidence.verdict_of_single_run();
+    Ok(Comparison {
+        verdict,
+        bias_percent,
+        interval,
+        bound: bound_percent,
+        pooled,
+        tiles,
+        pixels,
+        error_known,
+        evidence,
+    })
+}
+
+fn differences(a: &[Sum], b: &[Sum]) -> Vec<Difference> {
+    let one = |(a, b): (&Sum, &Sum)| Difference::of(*a, *b, ROUNDING * a.mean.abs().max(b.mean.abs()));
+    a.iter().zip(b).map(one).collect()
+}
+
+fn smallest(differences: &[Difference]) -> f64 {
+    differences.iter().map(Difference::p_value).fold(1.0, f64::min)
+}
+
+fn tiles(a: &Image, b: &Image) -> Tiles {
+    let found: Vec<_> = a.tiles().iter().zip(&b.tiles()).map(|(a, b)| differences(a, b)).collect();
+    let p_values: Vec<f64> = found.iter().map(|tile| smallest(tile)).collect();
+    let worst = (0..found.len()).min_by(|&i, &j| p_values[i].total_cmp(&p_values[j])).unwrap_or(0);
+    let score = |tile: &Vec<Difference>| tile[a.channels].normal_score().copysign(tile[a.channels].t);
+    let scores: Vec<f64> = found.iter().map(score).collect();
+    let chi_square = scores.iter().map(|z| z * z).sum();
+    Tiles {
+        count: found.len(),
+        worst,
+        worst_p_value: (p_values[worst] * (found.len() * (a.channels + 1)) as f64).min(1.0),
+        chi_square,
+        chi_square_p_value: chi_square_sf(chi_square, found.len() as f64),
+        scores,
+    }
+}
+
+fn pixels(a: &Image, b: &Image) -> Pixels {
+    let count = a.mean.len() / a.channels;
+    let one = |image: &Image, entry: usize| {
+        let [mean, variance] = image.pixel(entry);
+        Sum { mean, variance, dof: image.replicates.saturating_sub(1) as f64 }
+    };
+    let level = PIXEL_LEVEL / a.channels as f64;
+    let is_beyond = |pixel: &usize| {
+        let entries = pixel * a.channels..(pixel + 1) * a.channels;
+        entries.into_iter().any(|i| smallest(&differences(&[one(a, i)], &[one(b, i)])) < level)
+    };
+    let beyond = (0..count).filter(is_beyond).count() as u64;
+    let tail = Binomial::new(PIXEL_LEVEL, count as u64).map_or(f64::NAN, |binomial| match beyond {
+        0 => 1.0,
+        more => binomial.sf(more - 1),
+    });
+    Pixels { count, beyond, expected: PIXEL_LEVEL * count as f64, p_value: tail }
+}
+
+fn doubts(a: &Image, b: &Image, pixels: &Pixels) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if !(a.error_known() && b.error_known()) {
+        doubts.push(String::from("an image does not know its errors: one replicate, one file"));
+    } else if pixels.p_value < SINGLE_RUN_LEVEL && pixels.beyond as f64 > 2.0 * pixels.expected {
+        // Twice, since errors from few replicates move the level itself.
+        let (beyond, expected) = (pixels.beyond, pixels.expected);
+        doubts
+            .push(format!("{beyond} pixels differ beyond their errors where {expected:.0} would by chance"));
+    }
+    let share = a.largest_share.max(b.largest_share);
+    if share > LARGEST_SHARE {
+        doubts.push(format!(
+            "normal theory is not trusted: one sample makes up {:.1} % of an image",
+            100.0 * share
+        ));
+    }
+    doubts
+}
+
+fn evidence(
+    pooled: &Pooled,
+    tiles: &Tiles,
+    p_value: f64,
+    [bias, half, bound]: [f64; 3],
+    doubts: Vec<String>,
+) -> Evidence {
+    let interval = [(bias.abs() - half).max(0.0), bias.abs() + half];
+    let (quantity, value) = ("bias of the image's mean, %", pooled.resolution_percent);
+    Evidence {
+        method: format!("image comparison, Welch's t over the image and {} tiles", tiles.count),
+        n: tiles.count as u64,
+        statistic: pooled.t,
+        dof: Some(pooled.dof),
+        p_value: if half.is_nan() { 1.0 } else { p_value },
+        estimate: bias.abs(),
+        interval: if half.is_nan() { [0.0, f64::INFINITY] } else { interval },
+        bound,
+        resolution: Resolution { quantity, value, power: 0.9 },
+        doubts,
+        pictures: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seeds::uniform;
+
+    const SIZE: [usize; 2] = [64, 48];
+
+    /// A scene with edges and gradients, in three channels.
+    fn truth(entry: usize) -> f64 {
+        let (pixel, channel) = (entry / 3, entry % 3);
+        let (x, y) = (pixel % SIZE[0], pixel / SIZE[0]);
+        let square = if (20..40).contains(&x) && (10..30).contains(&y) { 1.5 } else { 0.2 };
+        square + 0.01 * x as f64 + 0.1 * channel as f64
+    }
+
+    /// One file from four replicates with relative noise of up to ±`noise`, the same for the channels of a pixel.
+    fn file(seed: u64, noise: f64, scene: impl Fn(usize) -> f64) -> Image {
+        let entries = SIZE[0] * SIZE[1] * 3;
+        let value =
+            |k: u64, i: usize| scene(i) * (1.0 + noise * (2.0 * uniform(4 * seed + k, i as u64 / 3) - 1.0));
+        let of = |i: usize| (0..4).map(|k| value(k, i)).collect::<crate::estimate::Moments>().estimate();
+        let estimates: Vec<_> = (0..entries).map(of).collect();
+        let errors: Vec<f64> = estimates.iter().map(|e| e.standard_error).collect();
+        Image::with_errors(SIZE, 3, estimates.iter().map(|e| e.mean).collect(), &errors, 4).unwrap()
+    }
+
+    #[test]
+    fn two_noisy_renderings_of_one_truth_hold() {
+        let found = compare(&file(1, 0.1, truth), &file(2, 0.1, truth), 0.5).unwrap();
+        assert_eq!(found.verdict, Verdict::Holds, "{found:?}");
+        assert!(found.interval[0] < found.bias_percent && found.bias_percent < found.interval[1]);
+        assert!(found.pooled.resolution_percent < 0.5);
+    }
+
+    #[test]
+    fn one_percent_of_brightness_fails() {
+        let brighter = |i: usize| 1.01 * truth(i);
+        let found = compare(&file(1, 0.1, truth), &file(2, 0.1, brighter), 0.5).unwrap();
+        assert_eq!(found.verdict, Verdict::Fails, "{found:?}");
+        assert!((found.bias_percent + 1.0).abs() < 0.5); // 1/1.01 − 1 = −0.99 %, error below 0.1 %
+    }
+
+    #[test]
+    fn a_tint_that_keeps_the_mean_fails() {
+        let weight = [1.02, 1.0, 0.983];
+        let found = compare(&file(1, 0.1, truth), &file(2, 0.1, |i| weight[i % 3] * truth(i)), 0.5).unwrap();
+        assert_eq!(found.verdict, Verdict::Fails, "{found:?}");
+    }
+
+    #[test]
+    fn a_shift_by_one_pixel_is_seen_by_tiles_and_pixels() {
+        let shifted = |i: usize| truth(if i >= 3 { i - 3 } else { i });
+        let found = compare(&file(1, 0.1, truth), &file(2, 0.1, shifted), 5.0).unwrap();
+        assert_eq!(found.verdict, Verdict::Fails);
+        assert!(found.tiles.worst_p_value < 1e-9 && found.pixels.beyond > 2 * 31);
+    }
+
+    #[test]
+    fn without_errors_there_is_no_verdict() {
+        let bare = Image::with_errors([1, 1], 1, vec![2.0], &[], 1).unwrap();
+        let sure = Image::with_errors([1, 1], 1, vec![1.0], &[0.0], 4).unwrap();
+        let found = compare(&bare, &sure, 0.5).unwrap();
+        assert_eq!(
+            (found.verdict, found.error_known, found.bias_percent),
+            (Verdict::Undecided, false, 100.0)
+        );
+    }
+
+    #[test]
+    fn zero_variance_is_equal_or_different() {
+        let exact = |value| Image::with_errors([2, 1], 1, vec![value, 1.0], &[0.0; 2], 4).unwrap();
+        assert_eq!(compare(&exact(1.0), &exact(1.0 + 1e-7), 0.5).unwrap().verdict, Verdict::Holds);
+        assert_eq!(compare(&exact(1.0), &exact(1.0 + 1e-4), 0.5).unwrap().verdict, Verdict::Fails);
+        let one = Image::with_errors([1, 1], 1, vec![1.0], &[0.0], 4).unwrap();
+        assert!(compare(&one, &exact(1.0), 0.5).is_err());
+        assert!(compare(&exact(1.0), &exact(-1.0), 0.5).is_err());
+    }
+}
