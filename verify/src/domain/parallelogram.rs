@@ -31,10 +31,13 @@ impl<const N: usize> Parallelogram<N> {
         Ok(Self { origin, edges, dual, area: square.sqrt(), thickness })
     }
 
-    /// x and y of a point, in the parallelogram or not; `None` if it is off the plane, or not a number.
+    /// x and y of a point, in the parallelogram or not; `None` if it is off the plane.
     pub(super) fn plane_coordinates(&self, point: [f64; N]) -> Option<[f64; 2]> {
         let from_origin = minus(point, self.origin);
         let [x, y] = self.dual.map(|dual| dot(dual, from_origin));
+        if N == 2 {
+            return Some([x, y]);
+        }
         let off_plane = minus(point, self.point([x, y]));
         (dot(off_plane, off_plane) <= self.thickness * self.thickness).then_some([x, y])
     }
