@@ -1,24 +1,38 @@
 //! Rank 4: where rays meet the objects of a scene, for slices of rays.
 
+mod group;
 mod object;
+mod tree;
 
 pub use object::Object;
 
 use crate::interaction::Interaction;
 use crate::ray::{Hit, Ray};
 use crate::shapes::ShapeHit;
+use group::{Context, Group};
 
 /// The objects of a scene, found by rays.
+///
+/// One tree holds every element of the objects at rest and, as one item each, the boxes that the moving objects sweep
+/// while the shutter is open; each moving object has a tree in its own space.
 #[derive(Debug)]
 pub struct Accel {
     objects: Vec<Object>,
     shutter: [f64; 2],
+    scene: Group,
+    /// The tree of each moving object.
+    inner: Vec<Option<Group>>,
 }
 
 impl Accel {
-    /// Builds the tree over `objects` as they are between `shutter[0]` and `shutter[1]`; rays have times in between.
+    /// Builds the trees over `objects` as they are between `shutter[0]` and `shutter[1]`; rays have times in between.
+    ///
+    /// An object with a motion that rests costs what a moving one costs: place its shape and leave the motion out.
     pub fn new(objects: Vec<Object>, shutter: [f64; 2]) -> Self {
-        Self { objects, shutter }
+        let scene = Group::of_scene(&objects, shutter);
+        let tree = |(index, o): (u32, &Object)| o.motion.is_some().then(|| Group::of_shape(index, &o.shape));
+        let inner = (0u32..).zip(&objects).map(tree).collect();
+        Self { objects, shutter, scene, inner }
     }
 
     /// The objects, in the order given.
@@ -28,35 +42,28 @@ impl Accel {
 
     /// The nearest hit of each ray, written over `hits`.
     pub fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        let mut context = self.context();
         hits.clear();
-        hits.extend(rays.iter().map(|r| self.closest_of(r)));
+        hits.extend(rays.iter().map(|r| self.scene.closest(r, &mut context)));
     }
 
     /// Whether anything lies on each ray's segment, written over `out`.
     pub fn occluded(&self, rays: &[Ray], out: &mut Vec<bool>) {
+        let mut context = self.context();
         out.clear();
-        out.extend(rays.iter().map(|r| self.closest_of(r).is_some()));
+        out.extend(rays.iter().map(|r| self.scene.occluded(r, &mut context)));
     }
 
-    fn closest_of(&self, ray: &Ray) -> Option<Hit> {
-        let mut ray = *ray;
-        let mut best = None;
-        for (object, o) in (0u32..).zip(&self.objects) {
-            let local = o.to_object(&ray);
-            for element in 0..o.shape.element_count() {
-                let query = Ray { t_max: ray.t_max, ..local };
-                if let Some(h) = o.shape.intersect(element, &query) {
-                    ray.t_max = h.t;
-                    best = Some(Hit { t: h.t, object, element, uv: h.uv });
-                }
-            }
-        }
-        best
+    fn context(&self) -> Context<'_> {
+        Context { objects: &self.objects, inner: &self.inner, stack: Vec::with_capacity(64) }
     }
 
     /// The surface at a hit that `closest` found for `ray`.
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
-        debug_assert!(f64::from(ray.time) >= self.shutter[0] && f64::from(ray.time) <= self.shutter[1]);
+        debug_assert!(
+            (self.shutter[0]..=self.shutter[1]).contains(&f64::from(ray.time)) || self.inner.iter().all(Option::is_none),
+            "moving objects are bounded only while the shutter is open"
+        );
         let object = &self.objects[hit.object as usize];
         let surface = object.surface(hit.element, &ShapeHit { t: hit.t, uv: hit.uv }, ray);
         Interaction { surface, wo: -ray.direction, time: ray.time, object: hit.object }

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::triangle::ShearedRay;
-use super::{ShapeHit, accept, rounded};
+use super::{ShapeHit, rounded};
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
@@ -91,10 +91,7 @@ impl Mesh {
     }
 
     pub(super) fn intersect(&self, triangle: u32, ray: &Ray) -> Option<ShapeHit> {
-        let (t, weights) = ShearedRay::new(ray).intersect(self.vertices(triangle))?;
-        #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
-        let uv = weights.map(|w| w as f32);
-        Some(ShapeHit { t: accept(t, ray.t_max)?, uv })
+        ShearedRay::new(ray).hit(self.vertices(triangle), ray.t_max)
     }
 
     /// The point of a triangle with weights `v` and `w` of its second and third vertex.

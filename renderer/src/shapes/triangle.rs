@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::{ShapeHit, accept};
 use crate::ray::Ray;
 
 /// A ray prepared for triangles: in coordinates relative to its origin, its direction becomes (0, 0, 1) by taking its
@@ -64,5 +65,14 @@ impl ShearedRay {
         let plane = normal.dot(base - self.origin) / slope;
         let t = plane.clamp(az.min(bz).min(cz), az.max(bz).max(cz));
         Some((t, [v / sum, w / sum]))
+    }
+
+    /// The hit of a triangle with t in (0, `t_max`).
+    #[inline]
+    pub fn hit(&self, vertices: [Vec3; 3], t_max: f32) -> Option<ShapeHit> {
+        let (t, weights) = self.intersect(vertices)?;
+        #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
+        let uv = weights.map(|w| w as f32);
+        Some(ShapeHit { t: accept(t, t_max)?, uv })
     }
 }
