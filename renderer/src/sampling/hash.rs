@@ -64,6 +64,12 @@ pub(super) const fn halves(bits: u64) -> [u32; 2] {
     [bits as u32, (bits >> 32) as u32]
 }
 
+/// 64 well mixed bits for trial `n` of a test.
+#[cfg(test)]
+pub(super) const fn mixed(n: u64) -> u64 {
+    Key::of_seed(n, 0).0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

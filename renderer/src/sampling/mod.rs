@@ -3,10 +3,14 @@
 pub mod decision;
 mod hash;
 pub mod independent;
+mod owen;
+pub mod sobol;
+mod sobol_matrix;
 pub mod warp;
 
 pub use decision::{Decision, DecisionSet, Vertex};
 pub use independent::Independent;
+pub use sobol::Sobol;
 
 /// The families of point sets that a scene can ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
