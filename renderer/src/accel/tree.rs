@@ -44,7 +44,7 @@ impl Tree {
         let slab = Slab::new(ray);
         let mut limit = ray.t_max * SLACK;
         let Some(root) = self.nodes.first() else { return };
-        if slab.enter(root) > limit {
+        if slab.enter(root) == f32::INFINITY {
             return;
         }
         let base = stack.len();
@@ -61,8 +61,8 @@ impl Tree {
                 let (near_a, near_b) = (slab.enter(a), slab.enter(b));
                 let a_first = near_a <= near_b;
                 let (near, far) = if a_first { (near_a, near_b) } else { (near_b, near_a) };
-                if near <= limit {
-                    if far <= limit {
+                if near < limit {
+                    if far < limit {
                         stack.push(first + u32::from(a_first));
                     }
                     node = if a_first { a } else { b };
