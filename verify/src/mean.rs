@@ -134,7 +134,8 @@ struct Finding {
 ///
 /// With m claims each is tested at 1e-3/m and has limits at 1 − 1e-3/m (Bonferroni): p = min(1, m·min p), the estimate is the
 /// largest defect and the interval's upper end the largest upper limit. The resolution is the defect that is found with
-/// power 0.9 when a single claim, the noisiest, has it: rounding + λ·s/(√R·unit), λ from the non-central t.
+/// power 0.9 when a single claim, the noisiest, has it: rounding + λ·s/(√R·unit), λ from the non-central t. Where all are equally noisy
+/// the largest of m estimated errors overstates it by a share of √(ln m/(R − 1)) at most.
 ///
 /// # Errors
 /// As [`joint_evidence`].
@@ -145,8 +146,12 @@ pub fn judge(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Result<Evidence
     }
     let mut findings = Vec::with_capacity(claims.len());
     let mut doubts = Vec::new();
+    let mut scale = Scale::at(LEVEL / claims.len() as f64, FEWEST_REPLICATES);
     for (claim, replicates) in claims.iter().zip(values) {
-        findings.push(claim.finding(replicates, LEVEL / claims.len() as f64)?);
+        if replicates.len() as u64 != scale.replicates {
+            scale = Scale::at(scale.level, replicates.len() as u64);
+        }
+        findings.push(claim.finding(replicates, &scale)?);
         doubts.extend(claim.doubts(replicates));
     }
     let largest = |value: fn(&Finding) -> f64| findings.iter().map(value).fold(0.0, f64::max);
@@ -178,8 +183,24 @@ pub fn judge(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Result<Evidence
     })
 }
 
+/// Quantiles for one level and number of replicates, in standard errors.
+struct Scale {
+    level: f64,
+    replicates: u64,
+    half_width: f64,
+    resolution: f64,
+}
+
+impl Scale {
+    fn at(level: f64, replicates: u64) -> Self {
+        let dof = replicates.max(2) as f64 - 1.0;
+        let resolution = t_noncentrality(level, POWER, dof);
+        Self { level, replicates, half_width: t_quantile(0.5 * level, dof), resolution }
+    }
+}
+
 impl MeanClaim {
-    fn finding(&self, replicates: &[Replicate], level: f64) -> Result<Finding, InputError> {
+    fn finding(&self, replicates: &[Replicate], scale: &Scale) -> Result<Finding, InputError> {
         positive("unit", self.unit)?;
         positive("bound", self.bound)?;
         let given = replicates.len() as u64;
@@ -195,9 +216,8 @@ impl MeanClaim {
         let beyond = (defect - self.rounding).max(0.0);
         let t = if beyond > 0.0 { beyond / error } else { 0.0 };
         let dof = (given - 1) as f64;
-        let shift = t_noncentrality(level, POWER, dof);
-        let half_width = t_quantile(0.5 * level, dof) * error;
-        let resolution = self.rounding + shift * error;
+        let half_width = scale.half_width * error;
+        let resolution = self.rounding + scale.resolution * error;
         Ok(Finding { t, p_value: 2.0 * t_tail(t, dof), defect, half_width, resolution, dof })
     }
 
