@@ -121,7 +121,7 @@ impl Camera {
             Projection::Orthographic => (DVec3::Z, DVec3::NEG_X, -(h / w) * DVec3::Y, 0.0),
         };
         let parallel = settings.projection == Projection::Orthographic;
-        let motion = settings.to_world.then(&DAffine3::from_translation(to_frame));
+        let motion = settings.to_world.then(&DAffine3::from_translation(to_frame))?;
         let mut camera = Self { parallel, forward, right, down, lens_radius, motion, at_rest: None };
         if camera.motion.is_static() {
             camera.at_rest = Some(camera.pose(settings.shutter.open));
@@ -211,7 +211,7 @@ mod tests {
                 lens_radius,
                 focus_distance: 4.0,
             },
-            to_world: Motion::fixed(DAffine3::IDENTITY),
+            to_world: Motion::fixed(DAffine3::IDENTITY).unwrap(),
             shutter: Shutter::INSTANT,
         };
         Camera::new(&settings, 200, 100, DVec3::ZERO).unwrap()
@@ -246,7 +246,7 @@ mod tests {
                 lens_radius: 0.1,
                 focus_distance: 0.0,
             },
-            to_world: Motion::fixed(DAffine3::IDENTITY),
+            to_world: Motion::fixed(DAffine3::IDENTITY).unwrap(),
             shutter: Shutter::INSTANT,
         };
         let error = Camera::new(&settings, 8, 8, DVec3::ZERO).unwrap_err();

@@ -1,7 +1,7 @@
 //! The third idea: work comes in batches.
 
 use crate::interaction::Interaction;
-use crate::math::Rgb;
+use crate::math::{Frame, Rgb};
 use crate::ray::{Hit, Ray};
 use crate::sampling::{SampleId, Vertex};
 
@@ -49,6 +49,8 @@ pub struct Surface {
     pub distance: f32,
     /// The point hit.
     pub interaction: Interaction,
+    /// The frame around its shading normal.
+    pub frame: Frame,
 }
 
 /// A light point waiting for its shadow ray.

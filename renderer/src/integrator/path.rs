@@ -1,20 +1,8 @@
 //! Light paths from the camera, from surface to surface.
 
-use super::{Batch, Branch, Integrator, IntegratorSettings, stages};
+use super::{Batch, Integrator, stages};
 use crate::sampling::{Decision, DecisionSet, Sampler};
-use crate::scene::{Effect, Scene};
-
-/// How light is looked for at a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Strategy {
-    /// By points on lights, and by the material's own directions only where these cannot be connected to.
-    Light,
-    /// By the material's own directions.
-    Material,
-    /// By both, weighted by the power heuristic.
-    #[default]
-    Both,
-}
+use crate::scene::{Effect, IntegratorSettings, Scene, Strategy};
 
 /// Follows paths from the camera.
 ///
@@ -102,10 +90,4 @@ impl Integrator for PathTracer {
             }
         }
     }
-}
-
-impl PathTracer {
-    /// The lecture's way: both branches at a dielectric.
-    pub const DISTRIBUTION: Self =
-        Self { settings: IntegratorSettings { branch: Branch::Both, ..IntegratorSettings::PATH } };
 }

@@ -1,14 +1,13 @@
 //! The stages of a batch, each a loop over slices.
 
 use super::batch::{Batch, Path, Surface};
-use super::{Branch, Strategy};
 use crate::lights::Light;
-use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample};
-use crate::math::Rgb;
+use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe};
+use crate::math::{Frame, Rgb};
 use crate::ray::Ray;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
-use crate::scene::Scene;
+use crate::scene::{Branch, Scene, Strategy};
 
 /// Weight below which a path no longer forks.
 const FORK_MIN: f32 = 1.0 / 64.0;
@@ -32,7 +31,7 @@ pub fn shutter_times<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) 
 pub fn lens_points<S: Sampler>(sampler: &S, batch: &mut Batch) {
     for sample in &mut batch.samples {
         let u = sampler.draw_2d(sample.id, Vertex::default(), Decision::Lens);
-        sample.lens = warp::square_to_disk_concentric(u);
+        sample.lens = warp::square_to_disk(u).to_array();
     }
 }
 
@@ -70,7 +69,8 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
     for (index, (path, hit)) in (0..).zip(batch.paths.iter().zip(&batch.hits)) {
         if let Some(hit) = hit {
             let interaction = scene.accel.interaction(&path.ray, hit);
-            batch.surfaces.push(Surface { path: index, distance: hit.t, interaction });
+            let frame = Frame::from_z(interaction.surface.n);
+            batch.surfaces.push(Surface { path: index, distance: hit.t, interaction, frame });
         }
     }
 }
@@ -78,12 +78,11 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
 /// Light that each path's ray has run into, weighed against the chance of having connected to it.
 pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     for index in 0..batch.surfaces.len() {
-        let Surface { path, distance, interaction } = batch.surfaces[index];
+        let Surface { path, distance, interaction, .. } = batch.surfaces[index];
         let path = batch.paths[path as usize];
         if let Some(light) = scene.light_of(interaction.object) {
-            let cos = interaction.ng.dot(interaction.wo);
-            if cos > 0.0 {
-                let pdf = scene.lights.pmf() * light.pdf(distance, cos);
+            if interaction.surface.ng.dot(interaction.wo) > 0.0 {
+                let pdf = scene.lights.pmf() * light.pdf(&scene.accel, &interaction, distance);
                 batch.add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
             }
         }
@@ -92,7 +91,7 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     for index in 0..batch.paths.len() {
         if batch.hits[index].is_none() {
             let path = batch.paths[index];
-            let pdf = scene.lights.pmf() * light.pdf(0.0, 1.0);
+            let pdf = scene.lights.pmf() * light.pdf_escaped();
             batch.add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
         }
     }
@@ -113,7 +112,7 @@ pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, 
     let choose = scene.lights.needs_choice();
     let pmf = scene.lights.pmf();
     for index in 0..batch.surfaces.len() {
-        let Surface { path, interaction, .. } = batch.surfaces[index];
+        let Surface { path, interaction, frame, .. } = batch.surfaces[index];
         let path = batch.paths[path as usize];
         let material = scene.material(interaction.object);
         if material.calls_for().delta_only {
@@ -129,8 +128,8 @@ pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, 
             }
         };
         let Some(light) = light.sample(&scene.accel, &interaction, u) else { continue };
-        let bsdf = material.bsdf(interaction.uv);
-        let (wo, wi) = (interaction.to_local(interaction.wo), interaction.to_local(light.wi));
+        let bsdf = material.bsdf(interaction.surface.uv);
+        let (wo, wi) = (frame.to_local(interaction.wo), frame.to_local(light.wi));
         let f = bsdf.eval(wo, wi);
         if f.is_black() {
             continue;
@@ -185,8 +184,8 @@ impl<S: Sampler> Bounce<'_, S> {
         let interaction = &self.surface.interaction;
         let material = self.scene.material(interaction.object);
         let calls = material.calls_for();
-        let bsdf = material.bsdf(interaction.uv);
-        let wo = interaction.to_local(interaction.wo);
+        let bsdf = material.bsdf(interaction.surface.uv);
+        let wo = self.surface.frame.to_local(interaction.wo);
         let vertex = self.path.vertex;
         let direction = || {
             if calls.direction { self.sampler.draw_2d(self.id, vertex, Decision::Direction) } else { [0.0; 2] }
@@ -196,7 +195,7 @@ impl<S: Sampler> Bounce<'_, S> {
             next.extend(bsdf.sample(wo, lobe(), direction()).and_then(|s| self.path_along(&s, vertex.branch, 1.0)));
             return;
         }
-        let reflected = bsdf.reflectance(wo);
+        let reflected = bsdf.branch_probability_fresnel(wo);
         let can_fork = self.path.throughput.max_component() * reflected.min(1.0 - reflected) >= FORK_MIN;
         match branch {
             Branch::Both if can_fork => {
@@ -229,8 +228,11 @@ impl<S: Sampler> Bounce<'_, S> {
         branch: u32,
         factor: f32,
     ) -> Option<Path> {
-        let wo = self.surface.interaction.to_local(self.surface.interaction.wo);
-        bsdf.sample_branch(wo, which, u).and_then(|s| self.path_along(&s, branch, factor))
+        let wo = self.surface.frame.to_local(self.surface.interaction.wo);
+        let sample = bsdf.sample_branch(wo, which, u)?;
+        // the weights of light and material samples add up to 1 for any density that both agree on
+        let pdf = bsdf.pdf(wo, sample.wi);
+        self.path_along(&BsdfSample { pdf, ..sample }, branch, factor)
     }
 
     fn path_along(&self, sample: &BsdfSample, branch: u32, factor: f32) -> Option<Path> {
@@ -239,7 +241,7 @@ impl<S: Sampler> Bounce<'_, S> {
             return None;
         }
         let interaction = &self.surface.interaction;
-        let ray: Ray = interaction.spawn(interaction.to_world(sample.wi));
+        let ray: Ray = interaction.spawn(self.surface.frame.to_world(sample.wi));
         let eta = if sample.transmitted { sample.eta_rel * sample.eta_rel } else { 1.0 };
         let vertex = Vertex { bounce: self.path.vertex.bounce.saturating_add(1), branch, split: 0 };
         Some(Path {
@@ -248,7 +250,7 @@ impl<S: Sampler> Bounce<'_, S> {
             ray,
             throughput,
             eta_scale: self.path.eta_scale * eta,
-            pdf: sample.density(),
+            pdf: (sample.lobe == Lobe::Spread).then_some(sample.pdf),
         })
     }
 }

@@ -3,5 +3,6 @@
 pub mod exr;
 pub mod image;
 pub mod png;
+pub mod rendering;
 
 pub use image::{Image, MAX_PIXELS, Metadata, Provenance};

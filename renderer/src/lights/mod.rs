@@ -23,8 +23,6 @@ pub enum Light {
         object: u32,
         /// Radiance [W m⁻² sr⁻¹].
         radiance: Rgb,
-        /// The shape's area [m²].
-        area: f32,
     },
     /// The same radiance from every direction beyond all shapes.
     Constant {
@@ -79,20 +77,25 @@ impl Light {
     /// (doi:10.1145/226150.226151).
     pub fn sample(&self, accel: &Accel, from: &Interaction, u: [f32; 2]) -> Option<LightSample> {
         match *self {
-            Self::Area { object, radiance, area } => {
-                let target = accel.objects()[object as usize].sample_area(u, from.time);
-                let (wi, pdf) = towards(from.point, target.point, target.ng, area)?;
-                let shadow_ray = from.spawn_to(&target);
-                Some(LightSample { wi, shadow_ray, radiance, pdf, delta: false })
+            Self::Area { object, radiance } => {
+                let (target, pdf_area) = accel.objects()[object as usize].sample_area(u, from.time);
+                let d = target.point - from.surface.point;
+                let wi = d.try_normalize()?;
+                let cos = -wi.dot(target.ng);
+                if cos <= 0.0 {
+                    return None;
+                }
+                let pdf = per_steradian(pdf_area, d.length_squared(), cos);
+                Some(LightSample { wi, shadow_ray: from.spawn_to(&target), radiance, pdf, delta: false })
             }
             Self::Constant { radiance } => {
-                let wi = warp::square_to_sphere(u).into();
+                let wi = warp::square_to_sphere(u);
                 Some(LightSample { wi, shadow_ray: from.spawn(wi), radiance, pdf: 0.25 / PI, delta: false })
             }
             Self::Point { position, intensity } => {
-                let d = position - from.point;
+                let d = position - from.surface.point;
                 let wi = d.try_normalize()?;
-                let shadow_ray = from.spawn_to_position(position);
+                let shadow_ray = from.spawn_to_point(position);
                 Some(LightSample { wi, shadow_ray, radiance: intensity / d.length_squared(), pdf: 1.0, delta: true })
             }
             Self::Directional { wi, irradiance } => {
@@ -110,25 +113,29 @@ impl Light {
         }
     }
 
-    /// Density per steradian with which [`Self::sample`] would have drawn a hit of this light.
+    /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light.
     ///
-    /// * `distance`: to the hit; without meaning for a constant light.
-    /// * `cos`: the cosine at the light, above 0.
-    pub fn pdf(&self, distance: f32, cos: f32) -> f32 {
+    /// * `distance`: from where the light is seen to `hit`.
+    pub fn pdf(&self, accel: &Accel, hit: &Interaction, distance: f32) -> f32 {
         match *self {
-            Self::Area { area, .. } => distance * distance / (area * cos),
+            Self::Area { object, .. } => {
+                let pdf_area = accel.objects()[object as usize].pdf_area(hit.surface.ng, hit.time);
+                per_steradian(pdf_area, distance * distance, hit.surface.ng.dot(hit.wo))
+            }
+            Self::Constant { .. } | Self::Point { .. } | Self::Directional { .. } => self.pdf_escaped(),
+        }
+    }
+
+    /// Density per steradian with which [`Self::sample`] would have drawn a direction that meets no shape.
+    pub fn pdf_escaped(&self) -> f32 {
+        match self {
             Self::Constant { .. } => 0.25 / PI,
-            Self::Point { .. } | Self::Directional { .. } => 0.0,
+            Self::Area { .. } | Self::Point { .. } | Self::Directional { .. } => 0.0,
         }
     }
 }
 
-/// Unit direction from `from` to `to`, and the density per steradian of a point uniform on `area`; `None` where the
-/// light is seen from behind, edge-on, or from its own surface.
-fn towards(from: Vec3, to: Vec3, ng: Vec3, area: f32) -> Option<(Vec3, f32)> {
-    let d = to - from;
-    let distance = d.length();
-    let wi = d / distance;
-    let cos = -wi.dot(ng);
-    (distance > 0.0 && cos > 0.0).then(|| (wi, distance * distance / (area * cos)))
+/// A density per m² at squared distance `d2`, seen under the cosine `cos`, as one per steradian: p·d² / cos.
+fn per_steradian(pdf_area: f32, d2: f32, cos: f32) -> f32 {
+    pdf_area * d2 / cos
 }

@@ -6,12 +6,13 @@ use glam::DVec3;
 
 use crate::camera::CameraSettings;
 use crate::film::FilmSettings;
-use crate::integrator::IntegratorSettings;
 use crate::materials::Material;
 use crate::math::Rgb;
 use crate::math::transform::Motion;
 use crate::sampling::SamplerKind;
 use crate::shapes::ShapeSettings;
+
+use super::transport::IntegratorSettings;
 
 /// A whole scene with everything needed to render it.
 #[derive(Debug, Clone)]

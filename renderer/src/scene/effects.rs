@@ -54,8 +54,7 @@ impl Effects {
         self.0 & 1 << effect as u8 != 0
     }
 
-    /// The effects that the content of `scene` calls for. Inter-reflection is called for by any surface that is not
-    /// black; how far it is followed is the integrator's to say.
+    /// The effects that the content of `scene` calls for.
     pub fn of(scene: &Scene) -> Self {
         let calls: Vec<_> = scene.materials().map(|m| m.calls_for()).collect();
         let moves = scene.camera.moves() || scene.accel.objects().iter().any(|o| o.motion.is_some());
@@ -65,7 +64,7 @@ impl Effects {
             .with(Effect::AreaLight, scene.lights.as_slice().iter().any(|l| matches!(l, Light::Area { .. })))
             .with(Effect::Rough, calls.iter().any(|c| c.rough))
             .with(Effect::Dielectric, calls.iter().any(|c| c.dielectric))
-            .with(Effect::InterReflection, scene.materials().any(|m| !m.is_black()))
+            .with(Effect::InterReflection, scene.integrator.max_depth.is_none_or(|depth| depth > 2))
             .with(Effect::Filter, !scene.film.filter.is_pixel())
     }
 }

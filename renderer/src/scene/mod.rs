@@ -15,9 +15,11 @@ use crate::shapes::Shape;
 
 pub mod description;
 pub mod effects;
+pub mod transport;
 
 pub use description::{LightSettings, ObjectSettings, SamplerSettings, SceneDescription};
 pub use effects::{Effect, Effects};
+pub use transport::{Branch, IntegratorSettings, Strategy};
 
 /// A scene ready to be rendered, in a frame whose origin is the camera's position as the shutter opens.
 ///
@@ -35,6 +37,8 @@ pub struct Scene {
     pub accel: Accel,
     /// The lights.
     pub lights: Lights,
+    /// Which light paths are followed.
+    pub integrator: IntegratorSettings,
     /// What the scene calls for.
     pub effects: Effects,
     surfaces: Vec<SurfaceSettings>,
@@ -71,11 +75,10 @@ impl Scene {
                 continue;
             }
             let placed = place(object, to_frame, shutter).map_err(refuse(&object.name))?;
-            let light = (!object.radiance.is_black()).then_some(lights.len() as u32);
+            let light = if object.radiance.is_black() { None } else { Some(index(lights.len())?) };
             if light.is_some() {
                 check_radiance(object.radiance).map_err(refuse(&object.name))?;
-                let (object_index, area) = (objects.len() as u32, placed.shape.area());
-                lights.push(Light::Area { object: object_index, radiance: object.radiance, area });
+                lights.push(Light::Area { object: index(objects.len())?, radiance: object.radiance });
             }
             surfaces.push(SurfaceSettings { material: object.material.clone(), light });
             objects.push(placed);
@@ -90,6 +93,7 @@ impl Scene {
             film,
             accel,
             lights: Lights::new(lights),
+            integrator: description.integrator,
             effects: Effects::NONE,
             surfaces,
         };
@@ -115,21 +119,22 @@ impl Scene {
 
 /// The object in the render frame: at rest with its geometry there, moving with its geometry in object space.
 fn place(object: &ObjectSettings, to_frame: DVec3, shutter: Shutter) -> Result<Object, ParamError> {
-    let motion = object.to_world.then(&DAffine3::from_translation(to_frame));
+    let motion = object.to_world.then(&DAffine3::from_translation(to_frame))?;
     let moves = !motion.is_static() && shutter.length() > 0.0;
     if moves {
-        if !object.radiance.is_black() && !motion.is_rigid() {
-            return Err(ParamError::OutOfRange {
-                name: "the number of keys of a scaled light",
-                value: motion.keys() as f64,
-                accepted: "1, or a motion without scale or shear",
-            });
-        }
         let shape = Shape::new(&object.shape, &DAffine3::IDENTITY, object.flip_normals)?;
         return Ok(Object { shape, motion: Some(motion) });
     }
     let shape = Shape::new(&object.shape, &motion.at(shutter.open), object.flip_normals)?;
     Ok(Object { shape, motion: None })
+}
+
+/// `n` as an index; scenes hold fewer than 2³² objects because each takes more than a byte of memory.
+fn index(n: usize) -> Result<u32, Error> {
+    u32::try_from(n).map_err(|_| Error::Scene {
+        object: "scene".into(),
+        reason: ParamError::Index { name: "object", index: n as u64, last: u64::from(u32::MAX) },
+    })
 }
 
 /// The light in the render frame; `None` where it is black.

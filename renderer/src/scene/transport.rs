@@ -1,0 +1,60 @@
+//! Which light paths a scene asks for.
+
+/// How light is looked for at a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Strategy {
+    /// By points on lights, and by the material's own directions only where these cannot be connected to.
+    Light,
+    /// By the material's own directions.
+    Material,
+    /// By both, weighted by the power heuristic.
+    #[default]
+    Both,
+}
+
+/// What is done at a surface that both reflects and refracts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Branch {
+    /// Follow both, until a branch's weight falls below 1/64; then as `Fresnel`.
+    Both,
+    /// Follow one of the two with equal probability, and double its weight.
+    Half,
+    /// Follow one with the probability of its share of the energy.
+    #[default]
+    Fresnel,
+}
+
+impl Branch {
+    /// Every way, with its name in scene files and on the command line.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("both", Self::Both), ("half", Self::Half), ("fresnel", Self::Fresnel)];
+}
+
+/// Which light paths are followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntegratorSettings {
+    /// Longest path in edges: 1 sees lights only, 2 adds direct light on surfaces; `None` for no limit.
+    pub max_depth: Option<u32>,
+    /// Paths of this many edges and more go on only by chance (Russian roulette).
+    pub rr_depth: u32,
+    /// What is done at a surface that both reflects and refracts.
+    pub branch: Branch,
+    /// How light is looked for.
+    pub strategy: Strategy,
+    /// Whether lights are invisible to the camera.
+    pub hide_emitters: bool,
+}
+
+impl IntegratorSettings {
+    /// Paths of any length, with Russian roulette from the fifth edge.
+    pub const PATH: Self = Self {
+        max_depth: None,
+        rr_depth: 5,
+        branch: Branch::Fresnel,
+        strategy: Strategy::Both,
+        hide_emitters: false,
+    };
+
+    /// Lights and direct light only.
+    pub const DIRECT: Self = Self { max_depth: Some(2), ..Self::PATH };
+}

@@ -1,0 +1,192 @@
+//! Whole renders of scenes whose answer is known, and the promises about bits.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
+use renderer::film::{FilmSettings, Filter, Reconstruction};
+use renderer::integrator::PathTracer;
+use renderer::materials::Material;
+use renderer::math::{Rgb, transform::Motion};
+use renderer::render::{RenderSettings, Rendering, render, render_with};
+use renderer::sampling::{Independent, SamplerKind, WithinPlan};
+use renderer::scene::{
+    Branch, Effect, IntegratorSettings, LightSettings, ObjectSettings, SamplerSettings, Scene, SceneDescription,
+    Strategy,
+};
+use renderer::shapes::ShapeSettings;
+use renderer::texture::Texture;
+
+fn at(affine: DAffine3) -> Motion {
+    Motion::fixed(affine).unwrap()
+}
+
+fn diffuse(albedo: f32) -> Arc<Material> {
+    Arc::new(Material::new_diffuse(Texture::Constant(Rgb::splat(albedo))).unwrap())
+}
+
+fn object(name: &str, shape: ShapeSettings, to_world: Motion, material: Arc<Material>, radiance: f32) -> ObjectSettings {
+    let radiance = Rgb::splat(radiance);
+    ObjectSettings { name: name.into(), shape, to_world, flip_normals: false, material, radiance }
+}
+
+fn scene_of(objects: Vec<ObjectSettings>, integrator: IntegratorSettings) -> SceneDescription {
+    let projection =
+        Projection::Perspective { fov: 40.0, axis: FovAxis::X, lens_radius: 0.0, focus_distance: 1.0 };
+    SceneDescription {
+        camera: CameraSettings { projection, to_world: at(DAffine3::IDENTITY), shutter: Shutter::INSTANT },
+        film: FilmSettings {
+            width: 20,
+            height: 18,
+            filter: Filter::PIXEL,
+            reconstruction: Reconstruction::Importance,
+        },
+        sampler: SamplerSettings { kind: SamplerKind::Sobol, spp: 16, seed: 0 },
+        integrator,
+        objects,
+        lights: Vec::new(),
+        hash: 0,
+    }
+}
+
+/// Inside a closed sphere of albedo `rho` that emits 1.
+fn furnace(rho: f32, integrator: IntegratorSettings) -> SceneDescription {
+    let sphere = ShapeSettings::Sphere { center: DVec3::ZERO, radius: 2.0 };
+    let mut wall = object("wall", sphere, at(DAffine3::IDENTITY), diffuse(rho), 1.0);
+    wall.flip_normals = true;
+    scene_of(vec![wall], integrator)
+}
+
+fn run(description: &SceneDescription, sampler: SamplerKind, threads: usize) -> Rendering {
+    let scene = Scene::new(description).unwrap();
+    let settings = RenderSettings { sampler, samples: 8, replicates: 4, seed: 0, threads };
+    render(&scene, &PathTracer { settings: scene.integrator }, &settings, &|_| ()).unwrap()
+}
+
+/// Pooled mean of all channels, and its standard error from the pixels' own.
+fn pooled(rendering: &Rendering) -> [f64; 2] {
+    let n = 3.0 * rendering.pixels.len() as f64;
+    let sum: f64 = rendering.pixels.iter().flat_map(|p| p.mean).sum();
+    let variance: f64 = rendering.pixels.iter().flat_map(|p| p.standard_error.unwrap()).map(|e| e * e).sum();
+    [sum / n, (3.0 * variance).sqrt() / n] // the three channels of a pixel share their samples: 3 times, not √3
+}
+
+#[test]
+fn a_furnace_without_an_end_to_its_paths_is_as_bright_as_the_series_says() {
+    for sampler in SamplerKind::ALL {
+        let [mean, error] = pooled(&run(&furnace(0.5, IntegratorSettings::PATH), sampler, 0));
+        // L = Le / (1 − ρ) = 2; 6 σ of a normal mean, 2e-9 by chance
+        assert!((mean - 2.0).abs() < 6.0 * error, "{}: {mean} ± {error}", sampler.name());
+        assert!(error < 0.05);
+    }
+}
+
+#[test]
+fn a_furnace_cut_at_a_depth_misses_the_rest_of_the_series() {
+    for (depth, sum) in [(1, 1.0), (2, 1.5), (3, 1.75)] {
+        let settings = IntegratorSettings { max_depth: Some(depth), ..IntegratorSettings::PATH };
+        for strategy in [Strategy::Light, Strategy::Material, Strategy::Both] {
+            let [mean, error] =
+                pooled(&run(&furnace(0.5, IntegratorSettings { strategy, ..settings }), SamplerKind::Sobol, 0));
+            // 6 σ, and the rounding of f32 values of order 1 through a chain of 10 operations
+            assert!((mean - sum).abs() < 6.0 * error + 10.0 * f64::from(f32::EPSILON), "{depth}: {mean} ± {error}");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let description = furnace(0.8, IntegratorSettings::PATH);
+    for sampler in SamplerKind::ALL {
+        let one = run(&description, sampler, 1);
+        for threads in [2, 5] {
+            assert_eq!(one, run(&description, sampler, threads), "{} {threads}", sampler.name());
+        }
+    }
+}
+
+fn with_everything() -> SceneDescription {
+    let glass = Arc::new(
+        Material::new_dielectric(1.5, Texture::Constant(Rgb::WHITE), Texture::Constant(Rgb::WHITE)).unwrap(),
+    );
+    let slide = |x: f64| DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+    let moving = Motion::keyed(vec![(0.0, slide(-0.4)), (1.0, slide(0.4))]).unwrap();
+    let ball = |x, z, radius| ShapeSettings::Sphere { center: DVec3::new(x, 0.0, z), radius };
+    let wall = DAffine3::from_translation(DVec3::new(0.0, 0.0, 6.0))
+        * DAffine3::from_rotation_y(std::f64::consts::PI)
+        * DAffine3::from_scale(DVec3::splat(4.0));
+    let lamp = DAffine3::from_translation(DVec3::new(0.0, 3.0, 3.0))
+        * DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let mut description = scene_of(
+        vec![
+            object("ball", ball(0.8, 4.0, 0.5), moving, diffuse(0.6), 0.0),
+            object("glass", ball(-0.8, 3.0, 0.5), at(DAffine3::IDENTITY), glass, 0.0),
+            object("wall", ShapeSettings::Rectangle, at(wall), diffuse(0.5), 0.0),
+            object("lamp", ShapeSettings::Rectangle, at(lamp), diffuse(0.0), 5.0),
+        ],
+        IntegratorSettings { rr_depth: 1, branch: Branch::Both, ..IntegratorSettings::PATH },
+    );
+    description.camera.shutter = Shutter::new(0.0, 1.0).unwrap();
+    description.camera.projection =
+        Projection::Perspective { fov: 40.0, axis: FovAxis::X, lens_radius: 0.1, focus_distance: 4.0 };
+    description.film.filter = Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 };
+    description.lights.push(LightSettings::Constant { radiance: Rgb::splat(0.2) });
+    description
+}
+
+#[test]
+fn a_scene_calls_for_what_it_contains() {
+    let full = Scene::new(&with_everything()).unwrap();
+    for (name, effect) in Effect::ALL {
+        // no material here has a rough lobe
+        assert_eq!(full.effects.contains(effect), effect != Effect::Rough, "{name}");
+    }
+    let plain = Scene::new(&furnace(0.5, IntegratorSettings::DIRECT)).unwrap();
+    for (name, effect) in Effect::ALL {
+        assert_eq!(plain.effects.contains(effect), effect == Effect::AreaLight, "{name}");
+    }
+}
+
+#[test]
+fn no_decision_is_made_that_is_not_planned() {
+    for description in [with_everything(), furnace(0.5, IntegratorSettings::DIRECT)] {
+        for branch in Branch::ALL.map(|(_, branch)| branch) {
+            let mut description = description.clone();
+            description.integrator.branch = branch;
+            let scene = Scene::new(&description).unwrap();
+            let integrator = PathTracer { settings: scene.integrator };
+            let [first, later] = renderer::integrator::Integrator::decisions(&integrator, &scene);
+            let sampler = WithinPlan::new(Independent::new(0), first, later);
+            let settings =
+                RenderSettings { sampler: SamplerKind::Independent, samples: 4, replicates: 2, seed: 0, threads: 0 };
+            let rendering = render_with(&scene, &integrator, &sampler, &settings, &|_| ()).unwrap();
+            assert_eq!(rendering.dropped, 0);
+        }
+    }
+}
+
+#[test]
+fn an_effect_at_its_null_value_changes_no_bit() {
+    let still = {
+        let mut d = with_everything();
+        let Projection::Perspective { lens_radius, .. } = &mut d.camera.projection else { unreachable!("perspective") };
+        *lens_radius = 0.0;
+        d.camera.shutter = Shutter::INSTANT;
+        d
+    };
+    let mut never = still.clone();
+    never.camera.projection =
+        Projection::Perspective { fov: 40.0, axis: FovAxis::X, lens_radius: 0.0, focus_distance: 77.0 };
+    never.objects[0].to_world = at(never.objects[0].to_world.at(0.0));
+    assert_eq!(run(&still, SamplerKind::Sobol, 0), run(&never, SamplerKind::Sobol, 0));
+}
+
+#[test]
+fn refusals_name_the_object() {
+    let mut description = furnace(0.5, IntegratorSettings::PATH);
+    description.objects[0].shape = ShapeSettings::Sphere { center: DVec3::ZERO, radius: -1.0 };
+    let message = Scene::new(&description).unwrap_err().to_string();
+    assert!(message.starts_with("wall: ") && message.contains("-1"), "{message}");
+    description.film.width = 0;
+    assert!(Scene::new(&description).unwrap_err().to_string().starts_with("film: the number of pixels is 0"));
+}
