@@ -1,4 +1,4 @@
-//! Rank 2: points on surfaces, with the bound on their rounding error that keeps the next ray off them.
+//! Rank 3: points on surfaces, with the bound on their rounding error that keeps the next ray off them.
 
 use glam::{DVec3, Vec3};
 

@@ -1,11 +1,11 @@
-//! Rank 7: a scene, an integrator and a sampler become an image, tile by tile on all cores.
+//! Rank 9: a scene, an integrator and a sampler become an image, tile by tile on all cores.
 
 use rayon::prelude::*;
 
 use crate::error::ParamError;
 use crate::film::{PixelEstimate, PixelSum, Reconstruction};
 use crate::integrator::{Batch, Integrator};
-use crate::sampling::{Independent, SampleId, Sampler, SamplerKind, Sobol, Stratified};
+use crate::sampling::{Independent, SampleId, Sampler, SamplerKind, Sobol};
 use crate::scene::Scene;
 
 /// Side of a tile in pixels.
@@ -66,11 +66,12 @@ pub fn render<I: Integrator>(
 ) -> Result<Rendering, ParamError> {
     let [first, _] = integrator.decisions(scene);
     match settings.sampler {
-        SamplerKind::Independent => render_with(scene, integrator, &Independent::new(settings.seed), settings, progress),
-        SamplerKind::Stratified => {
-            render_with(scene, integrator, &Stratified::new(settings.seed, settings.samples), settings, progress)
+        SamplerKind::Independent => {
+            render_with(scene, integrator, &Independent::new(settings.seed), settings, progress)
         }
-        SamplerKind::Sobol => render_with(scene, integrator, &Sobol::new(settings.seed, first), settings, progress),
+        SamplerKind::Sobol => {
+            render_with(scene, integrator, &Sobol::new(settings.seed, first), settings, progress)
+        }
     }
 }
 
@@ -85,7 +86,8 @@ pub fn render_with<I: Integrator, S: Sampler>(
     settings: &RenderSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Rendering, ParamError> {
-    for (name, value) in [("the number of samples", settings.samples), ("the number of replicates", settings.replicates)]
+    for (name, value) in
+        [("the number of samples", settings.samples), ("the number of replicates", settings.replicates)]
     {
         if value == 0 {
             return Err(ParamError::OutOfRange { name, value: 0.0, accepted: "a number of at least 1" });
@@ -93,7 +95,11 @@ pub fn render_with<I: Integrator, S: Sampler>(
     }
     let threads = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|_| {
         let value = settings.threads as f64;
-        ParamError::OutOfRange { name: "the number of threads", value, accepted: "a number that the system can start" }
+        ParamError::OutOfRange {
+            name: "the number of threads",
+            value,
+            accepted: "a number that the system can start",
+        }
     })?;
     let tiles = tiles(scene.film.width, scene.film.height);
     let done = std::sync::atomic::AtomicUsize::new(0);
@@ -143,8 +149,9 @@ fn render_tile<I: Integrator, S: Sampler>(
     let pixels: Vec<[u32; 2]> = tile.pixels().collect();
     let mut sums = vec![PixelSum::new(settings.replicates); pixels.len()];
     let of_pixel = |pixel: [u32; 2]| {
-        (0..settings.replicates)
-            .flat_map(move |replicate| (0..settings.samples).map(move |index| SampleId { pixel, replicate, index }))
+        (0..settings.replicates).flat_map(move |replicate| {
+            (0..settings.samples).map(move |index| SampleId { pixel, replicate, index })
+        })
     };
     let mut ids = pixels.iter().flat_map(|&pixel| of_pixel(pixel));
     let mut batch = Batch::default();

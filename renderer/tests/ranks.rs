@@ -3,12 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RANKS: [&[&str]; 9] = [
+const RANKS: [&[&str]; 11] = [
     &["error", "math"],
     &["sampling"],
-    &["ray", "interaction", "texture"],
+    &["ray", "texture"],
+    &["interaction"],
     &["shapes", "materials", "camera", "film"],
-    &["accel", "lights"],
+    &["accel"],
+    &["lights"],
     &["scene"],
     &["integrator"],
     &["render"],
@@ -32,13 +34,16 @@ fn files(folder: &Path, into: &mut Vec<PathBuf>) {
 
 /// The modules of every `crate::` path in `text`, comments apart, `use crate::{…}` included.
 fn imports(text: &str) -> Vec<String> {
-    let code: String = text.lines().filter(|l| !l.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+    let code: String =
+        text.lines().filter(|l| !l.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
     let mut found = Vec::new();
     for (at, _) in code.match_indices("crate::") {
         let rest = &code[at + "crate::".len()..];
         let name = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
         match rest.strip_prefix('{') {
-            Some(list) => found.extend(list.split('}').next().unwrap_or("").split(',').map(|s| name(s.trim()))),
+            Some(list) => {
+                found.extend(list.split('}').next().unwrap_or("").split(',').map(|s| name(s.trim())))
+            }
             None => found.push(name(rest)),
         }
     }
@@ -61,13 +66,18 @@ fn no_file_imports_a_higher_rank_or_a_neighbour() {
         let own = rank(module).unwrap_or_else(|| panic!("{module} has no rank"));
         for import in imports(&fs::read_to_string(file).unwrap()) {
             // types re-exported at the root are the errors, rank 0
-            let Some(other) = rank(&import).or(matches!(import.as_str(), "Error" | "ParamError").then_some(0)) else {
+            let Some(other) =
+                rank(&import).or(matches!(import.as_str(), "Error" | "ParamError").then_some(0))
+            else {
                 wrong.push(format!("{}: {import} has no rank", relative.display()));
                 continue;
             };
             checked += 1;
             if other > own || (other == own && import != module && own != 0) {
-                wrong.push(format!("{}: {module} (rank {own}) imports {import} (rank {other})", relative.display()));
+                wrong.push(format!(
+                    "{}: {module} (rank {own}) imports {import} (rank {other})",
+                    relative.display()
+                ));
             }
         }
     }

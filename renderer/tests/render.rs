@@ -8,11 +8,11 @@ use renderer::film::{FilmSettings, Filter, Reconstruction};
 use renderer::integrator::PathTracer;
 use renderer::materials::Material;
 use renderer::math::{Rgb, transform::Motion};
-use renderer::render::{RenderSettings, Rendering, render, render_with};
-use renderer::sampling::{Independent, SamplerKind, WithinPlan};
+use renderer::render::{RenderSettings, Rendering, render};
+use renderer::sampling::SamplerKind;
 use renderer::scene::{
-    Branch, Effect, IntegratorSettings, LightSettings, ObjectSettings, SamplerSettings, Scene, SceneDescription,
-    Strategy,
+    Branch, Effect, IntegratorSettings, LightSettings, ObjectSettings, SamplerSettings, Scene,
+    SceneDescription, Strategy,
 };
 use renderer::shapes::ShapeSettings;
 use renderer::texture::Texture;
@@ -25,7 +25,13 @@ fn diffuse(albedo: f32) -> Arc<Material> {
     Arc::new(Material::new_diffuse(Texture::Constant(Rgb::splat(albedo))).unwrap())
 }
 
-fn object(name: &str, shape: ShapeSettings, to_world: Motion, material: Arc<Material>, radiance: f32) -> ObjectSettings {
+fn object(
+    name: &str,
+    shape: ShapeSettings,
+    to_world: Motion,
+    material: Arc<Material>,
+    radiance: f32,
+) -> ObjectSettings {
     let radiance = Rgb::splat(radiance);
     ObjectSettings { name: name.into(), shape, to_world, flip_normals: false, material, radiance }
 }
@@ -86,10 +92,16 @@ fn a_furnace_cut_at_a_depth_misses_the_rest_of_the_series() {
     for (depth, sum) in [(1, 1.0), (2, 1.5), (3, 1.75)] {
         let settings = IntegratorSettings { max_depth: Some(depth), ..IntegratorSettings::PATH };
         for strategy in [Strategy::Light, Strategy::Material, Strategy::Both] {
-            let [mean, error] =
-                pooled(&run(&furnace(0.5, IntegratorSettings { strategy, ..settings }), SamplerKind::Sobol, 0));
+            let [mean, error] = pooled(&run(
+                &furnace(0.5, IntegratorSettings { strategy, ..settings }),
+                SamplerKind::Sobol,
+                0,
+            ));
             // 6 σ, and the rounding of f32 values of order 1 through a chain of 10 operations
-            assert!((mean - sum).abs() < 6.0 * error + 10.0 * f64::from(f32::EPSILON), "{depth}: {mean} ± {error}");
+            assert!(
+                (mean - sum).abs() < 6.0 * error + 10.0 * f64::from(f32::EPSILON),
+                "{depth}: {mean} ± {error}"
+            );
         }
     }
 }
@@ -148,28 +160,12 @@ fn a_scene_calls_for_what_it_contains() {
 }
 
 #[test]
-fn no_decision_is_made_that_is_not_planned() {
-    for description in [with_everything(), furnace(0.5, IntegratorSettings::DIRECT)] {
-        for branch in Branch::ALL.map(|(_, branch)| branch) {
-            let mut description = description.clone();
-            description.integrator.branch = branch;
-            let scene = Scene::new(&description).unwrap();
-            let integrator = PathTracer { settings: scene.integrator };
-            let [first, later] = renderer::integrator::Integrator::decisions(&integrator, &scene);
-            let sampler = WithinPlan::new(Independent::new(0), first, later);
-            let settings =
-                RenderSettings { sampler: SamplerKind::Independent, samples: 4, replicates: 2, seed: 0, threads: 0 };
-            let rendering = render_with(&scene, &integrator, &sampler, &settings, &|_| ()).unwrap();
-            assert_eq!(rendering.dropped, 0);
-        }
-    }
-}
-
-#[test]
 fn an_effect_at_its_null_value_changes_no_bit() {
     let still = {
         let mut d = with_everything();
-        let Projection::Perspective { lens_radius, .. } = &mut d.camera.projection else { unreachable!("perspective") };
+        let Projection::Perspective { lens_radius, .. } = &mut d.camera.projection else {
+            unreachable!("perspective")
+        };
         *lens_radius = 0.0;
         d.camera.shutter = Shutter::INSTANT;
         d

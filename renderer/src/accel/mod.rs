@@ -1,4 +1,4 @@
-//! Rank 4: where rays meet the objects of a scene, for slices of rays.
+//! Rank 5: where rays meet the objects of a scene, for slices of rays.
 
 mod group;
 mod object;

@@ -1,4 +1,4 @@
-//! Rank 3: from a point of the image, a point of the lens and a moment to a ray.
+//! Rank 4: from a point of the image, a point of the lens and a moment to a ray.
 //!
 //! A pinhole is given by its position o, the vector f to the middle of the image plane, and the vectors s_x, s_y
 //! from there to the middle of the image's right and lower edge: the point (p_x, p_y) in [−1, 1]² of the image is

@@ -91,7 +91,8 @@ mod tests {
 
     #[test]
     fn blocks_join_to_the_same_bits() {
-        let values: Vec<[f64; 4]> = (1..=24).map(|i| [1.0 / f64::from(i), 0.1 * f64::from(i), 1e-9, 1.0]).collect();
+        let values: Vec<[f64; 4]> =
+            (1..=24).map(|i| [1.0 / f64::from(i), 0.1 * f64::from(i), 1e-9, 1.0]).collect();
         let sum = |values: &[[f64; 4]]| {
             let mut tree = TreeSum::default();
             values.iter().for_each(|&v| tree.push(v));

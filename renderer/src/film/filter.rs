@@ -223,12 +223,19 @@ mod tests {
         for filter in ALL {
             let sampler = FilterSampler::new(filter).unwrap();
             let n = 1 << 16;
-            let moment =
-                |k: i32| grid(n).map(|u| sampler.sample(u)).map(|(x, w)| f64::from(w) * f64::from(x).powi(k)).sum::<f64>()
-                    / f64::from(n);
+            let moment = |k: i32| {
+                grid(n)
+                    .map(|u| sampler.sample(u))
+                    .map(|(x, w)| f64::from(w) * f64::from(x).powi(k))
+                    .sum::<f64>()
+                    / f64::from(n)
+            };
             let h = 2.0 * filter.radius() / f64::from(n);
             let exact = |k: i32| {
-                (0..n).map(|i| (f64::from(i) + 0.5) * h - filter.radius()).map(|x| filter.eval(x) * x.powi(k) * h).sum::<f64>()
+                (0..n)
+                    .map(|i| (f64::from(i) + 0.5) * h - filter.radius())
+                    .map(|x| filter.eval(x) * x.powi(k) * h)
+                    .sum::<f64>()
                     / integral(&filter)
             };
             for k in 0..5 {

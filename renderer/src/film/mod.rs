@@ -1,4 +1,4 @@
-//! Rank 3: from samples to an image in which every number is an estimate with its error.
+//! Rank 4: from samples to an image in which every number is an estimate with its error.
 
 use crate::error::ParamError;
 

@@ -1,4 +1,4 @@
-//! Rank 6: which light paths are followed, as stages over batches of samples.
+//! Rank 8: which light paths are followed, as stages over batches of samples.
 
 pub mod batch;
 pub mod path;

@@ -83,7 +83,10 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
         if let Some(light) = scene.light_of(interaction.object) {
             if interaction.surface.ng.dot(interaction.wo) > 0.0 {
                 let pdf = scene.lights.pmf() * light.pdf(&scene.accel, &interaction, distance);
-                batch.add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
+                batch.add(
+                    path.sample,
+                    path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf),
+                );
             }
         }
     }
@@ -92,7 +95,8 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
         if batch.hits[index].is_none() {
             let path = batch.paths[index];
             let pdf = scene.lights.pmf() * light.pdf_escaped();
-            batch.add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
+            batch
+                .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
         }
     }
 }
@@ -188,11 +192,17 @@ impl<S: Sampler> Bounce<'_, S> {
         let wo = self.surface.frame.to_local(interaction.wo);
         let vertex = self.path.vertex;
         let direction = || {
-            if calls.direction { self.sampler.draw_2d(self.id, vertex, Decision::Direction) } else { [0.0; 2] }
+            if calls.direction {
+                self.sampler.draw_2d(self.id, vertex, Decision::Direction)
+            } else {
+                [0.0; 2]
+            }
         };
         let lobe = || if calls.lobe { self.sampler.draw_1d(self.id, vertex, Decision::Lobe) } else { 0.0 };
         if !calls.dielectric || branch == Branch::Fresnel {
-            next.extend(bsdf.sample(wo, lobe(), direction()).and_then(|s| self.path_along(&s, vertex.branch, 1.0)));
+            next.extend(
+                bsdf.sample(wo, lobe(), direction()).and_then(|s| self.path_along(&s, vertex.branch, 1.0)),
+            );
             return;
         }
         let reflected = bsdf.branch_probability_fresnel(wo);

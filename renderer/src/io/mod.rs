@@ -1,4 +1,4 @@
-//! Rank 8: files. Images go out and come in here, meshes and scene descriptions come in; nothing below knows a format.
+//! Rank 10: files. Images go out and come in here, meshes and scene descriptions come in; nothing below knows a format.
 
 pub mod exr;
 pub mod image;

@@ -1,4 +1,4 @@
-//! Rank 4: where light comes from, and points on lights to connect to.
+//! Rank 6: where light comes from, and points on lights to connect to.
 
 use std::f32::consts::PI;
 
@@ -96,11 +96,21 @@ impl Light {
                 let d = position - from.surface.point;
                 let wi = d.try_normalize()?;
                 let shadow_ray = from.spawn_to_point(position);
-                Some(LightSample { wi, shadow_ray, radiance: intensity / d.length_squared(), pdf: 1.0, delta: true })
+                Some(LightSample {
+                    wi,
+                    shadow_ray,
+                    radiance: intensity / d.length_squared(),
+                    pdf: 1.0,
+                    delta: true,
+                })
             }
-            Self::Directional { wi, irradiance } => {
-                Some(LightSample { wi, shadow_ray: from.spawn(wi), radiance: irradiance, pdf: 1.0, delta: true })
-            }
+            Self::Directional { wi, irradiance } => Some(LightSample {
+                wi,
+                shadow_ray: from.spawn(wi),
+                radiance: irradiance,
+                pdf: 1.0,
+                delta: true,
+            }),
         }
     }
 

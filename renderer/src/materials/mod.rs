@@ -1,4 +1,4 @@
-//! Rank 3: what surfaces do to light.
+//! Rank 4: what surfaces do to light.
 //!
 //! A [`Material`] belongs to a scene; [`Material::bsdf`] looks its textures up and gives the [`Bsdf`] of one point,
 //! which is evaluated and sampled in the local frame.

@@ -3,6 +3,7 @@
 pub mod decision;
 mod hash;
 pub mod independent;
+pub mod mis;
 mod owen;
 pub mod sobol;
 mod sobol_matrix;
@@ -17,8 +18,6 @@ pub use sobol::Sobol;
 pub enum SamplerKind {
     /// Independent uniform numbers.
     Independent,
-    /// One jittered number in each of as many equal strata as there are samples.
-    Stratified,
     /// Owen-scrambled Sobol points, joint over the decisions before the first bounce.
     #[default]
     Sobol,
@@ -26,13 +25,12 @@ pub enum SamplerKind {
 
 impl SamplerKind {
     /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Independent, Self::Stratified, Self::Sobol];
+    pub const ALL: [Self; 2] = [Self::Independent, Self::Sobol];
 
     /// Its name in scene files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Independent => "independent",
-            Self::Stratified => "stratified",
             Self::Sobol => "sobol",
         }
     }

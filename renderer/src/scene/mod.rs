@@ -1,4 +1,4 @@
-//! Rank 5: everything that is fixed before the first ray.
+//! Rank 7: everything that is fixed before the first ray.
 
 use std::sync::Arc;
 
@@ -163,7 +163,11 @@ fn check_radiance(radiance: Rgb) -> Result<(), ParamError> {
             return Err(ParamError::NotFinite { name: "radiance", value });
         }
         if value < 0.0 {
-            return Err(ParamError::OutOfRange { name: "radiance", value, accepted: "a value of at least 0" });
+            return Err(ParamError::OutOfRange {
+                name: "radiance",
+                value,
+                accepted: "a value of at least 0",
+            });
         }
     }
     Ok(())

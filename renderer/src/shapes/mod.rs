@@ -1,4 +1,4 @@
-//! Rank 3: surfaces that rays meet and lights are sampled on. A shape is a list of elements (a mesh's triangles; one
+//! Rank 4: surfaces that rays meet and lights are sampled on. A shape is a list of elements (a mesh's triangles; one
 //! for the others), each with a box, an intersection, a surface and a share of the area.
 
 mod cube;
