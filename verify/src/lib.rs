@@ -22,4 +22,5 @@ pub mod points;
 pub mod power;
 pub mod quadrature;
 pub mod seeds;
+pub mod share;
 mod tails;

@@ -10,3 +10,4 @@ pub mod figures;
 pub mod page;
 pub mod report;
 pub mod runner;
+pub mod wrong;

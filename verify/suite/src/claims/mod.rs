@@ -2,6 +2,9 @@
 
 use verify::claim::Claim;
 
+mod pointwise;
+mod warp;
+
 /// The groups that a claim's name may begin with.
 pub const GROUPS: [&str; 19] = [
     "generator",
@@ -27,8 +30,7 @@ pub const GROUPS: [&str; 19] = [
 
 /// Every claim, by group.
 pub fn all() -> Vec<Claim> {
-    let groups: [Vec<Claim>; 0] = [];
-    groups.into_iter().flatten().collect()
+    [warp::claims()].into_iter().flatten().collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,61 @@
+//! Claims that something is so at every point: a density is its closed form, an inverse undoes its map.
+
+use verify::claim::{Claim, ClaimBuilder, Evidence, Run};
+use verify::error::InputError;
+use verify::{points, share};
+
+use crate::bounds;
+
+/// Completes a claim by trying uniform numbers, for none of which `misses` may be true.
+pub(super) fn never<const N: usize>(
+    builder: ClaimBuilder,
+    quantity: &'static str,
+    misses: impl Fn([f64; N]) -> bool + Send + Sync + 'static,
+) -> Claim {
+    builder.by(move |run| evidence(run, quantity, &misses))
+}
+
+/// Adds a control to a claim that [`never`] completes: a wrong version, which misses.
+pub(super) fn rejecting<const N: usize>(
+    builder: ClaimBuilder,
+    name: &'static str,
+    misses: impl Fn([f64; N]) -> bool + Send + Sync + 'static,
+) -> ClaimBuilder {
+    builder.rejects(name, move |run| evidence(run, "share of points", &misses))
+}
+
+fn evidence<const N: usize>(
+    run: &Run,
+    quantity: &'static str,
+    misses: impl Fn([f64; N]) -> bool,
+) -> Result<Evidence, InputError> {
+    let trials = share::trials_for(bounds::MISSES)? * run.effort;
+    let missed = |&index: &u64| {
+        let mut u = [0.0; N];
+        points::fill(run.seed, index, &mut u);
+        misses(u)
+    };
+    let count = (0..trials).filter(missed).count();
+    share::judge(quantity, u64::try_from(count).unwrap_or(u64::MAX), trials, bounds::MISSES)
+}
+
+/// A uniform number as the renderer's generators make it: a multiple of 2⁻²⁴ in [0, 1).
+pub(super) fn single(u: f64) -> f32 {
+    const STEPS: f64 = 16_777_216.0;
+    #[expect(clippy::cast_possible_truncation, reason = "exact: 24 bits")]
+    let rounded = ((u * STEPS).floor() / STEPS) as f32;
+    rounded
+}
+
+/// Whether two pairs of numbers agree, each on the circle of circumference 1 (an angle of a full turn is one of 0).
+pub(super) fn same_on_circle(a: [f32; 2], b: [f32; 2], tolerance: f32) -> bool {
+    a.iter().zip(b).all(|(a, b)| {
+        let distance = (a - b).abs();
+        distance.min(1.0 - distance) <= tolerance
+    })
+}
+
+/// Whether a density is its closed form, relative to it.
+pub(super) fn same_density(measured: f32, closed_form: f64, tolerance: f64) -> bool {
+    (f64::from(measured) - closed_form).abs() <= tolerance * closed_form
+}
