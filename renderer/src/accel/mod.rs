@@ -61,7 +61,8 @@ impl Accel {
     /// The surface at a hit that `closest` found for `ray`.
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
         debug_assert!(
-            (self.shutter[0]..=self.shutter[1]).contains(&f64::from(ray.time)) || self.inner.iter().all(Option::is_none),
+            (self.shutter[0]..=self.shutter[1]).contains(&f64::from(ray.time))
+                || self.inner.iter().all(Option::is_none),
             "moving objects are bounded only while the shutter is open"
         );
         let object = &self.objects[hit.object as usize];

@@ -40,7 +40,12 @@ impl Tree {
     /// `leaf` returns the distance beyond which nothing matters any more, or `None` to end the walk. `stack` is memory
     /// to use; what is in it stays.
     #[inline]
-    pub(super) fn walk(&self, ray: &Ray, stack: &mut Vec<u32>, mut leaf: impl FnMut(Range<usize>) -> Option<f32>) {
+    pub(super) fn walk(
+        &self,
+        ray: &Ray,
+        stack: &mut Vec<u32>,
+        mut leaf: impl FnMut(Range<usize>) -> Option<f32>,
+    ) {
         let slab = Slab::new(ray);
         let mut limit = ray.t_max * SLACK;
         let Some(root) = self.nodes.first() else { return };

@@ -107,7 +107,7 @@ fn triangle() -> Vec<Claim> {
 }
 
 fn parallelogram() -> Vec<Claim> {
-    let corners = || CORNERS.map(|p| Vec3::from_array(p.map(|x| single_exact(x))));
+    let corners = || CORNERS.map(|p| Vec3::from_array(p.map(single_exact)));
     let edges = [1, 2].map(|i| std::array::from_fn(|axis| CORNERS[i][axis] - CORNERS[0][axis]));
     let domain = Parallelogram::new(CORNERS[0], edges).expect("the edges are not parallel");
     let area = verify::domain::Domain::measure(&domain);
