@@ -1,8 +1,27 @@
 //! Chi-square tests of samplers: do points follow a density on a domain, and by how much could they miss it?
 //!
-//! The same points are counted on two grids: a coarse one of about 200 cells, which sees smooth errors best and carries the bound, and a fine one
-//! of about 20,000, which sees narrow ones. The second test is of the counts inside each coarse cell, given that cell's count; so the two are
-//! independent, and their p-values are joined exactly (Šidák). The number of discarded samples joins by Bonferroni's rule where there are any.
+//! The same points are counted on two grids: a coarse one of about 200 cells, which sees smooth errors best
+//! and carries the bound, and a fine one of about 20,000, which sees narrow ones. The second test is of the
+//! counts inside each coarse cell, given that cell's count; so the two are independent, and their p-values
+//! are joined exactly (Šidák). The number of discarded samples joins by Bonferroni's rule where there are
+//! any.
+//!
+//! ```
+//! use std::f64::consts::{PI, TAU};
+//! use verify::{chi_square::ChiSquare, claim::Seed, domain::Disk};
+//!
+//! fn my_aperture([u, v]: [f64; 2]) -> Option<[f64; 2]> {
+//!     let (sin, cos) = (TAU * v).sin_cos();
+//!     Some([u.sqrt() * cos, u.sqrt() * sin])
+//! }
+//!
+//! ChiSquare::on(Disk::unit())
+//!     .density(|_| 1.0 / PI) // per unit area
+//!     .samples(my_aperture) // `None` would be counted as discarded
+//!     .bound(0.05) // RMS relative error over cells
+//!     .run(Seed::from_env())
+//!     .assert_holds();
+//! ```
 
 use std::sync::{Arc, OnceLock};
 
@@ -65,7 +84,8 @@ impl<D: Domain> ChiSquare<D> {
         Target { domain, density: Box::new(move |_| uniform), expected: OnceLock::new() }
     }
 
-    /// Sets the bound: the RMS relative error over the coarse grid's cells below which the sampler must be. It also sets the sample count.
+    /// Sets the bound: the RMS relative error over the coarse grid's cells below which the sampler must be.
+    /// It also sets the sample count.
     ///
     /// * `bound`: in (0, 1); 0.01 if not set.
     #[must_use]
@@ -94,8 +114,8 @@ impl<D: Domain> ChiSquare<D> {
         self
     }
 
-    /// Makes it a claim, with its controls: the given ones, and the sampler itself with its first number u replaced by u^(1 + δ), where δ makes
-    /// 2.2 times the resolution.
+    /// Makes it a claim, with its controls: the given ones, and the sampler itself with its first number u
+    /// replaced by u^(1 + δ), where δ makes 2.2 times the resolution.
     pub fn claim(self, id: impl Into<String>, says: impl Into<String>) -> Claim {
         let test = Arc::new(self);
         let mut builder = claim(id, says);
@@ -114,7 +134,8 @@ impl<D: Domain> ChiSquare<D> {
         builder.rejects(name, with_defect).by(move |run| test.evidence(run))
     }
 
-    /// Runs the test, for use in a `#[test]`: at the level of `VERIFY_LEVEL`, under the name of the thread, which is that of the test.
+    /// Runs the test, for use in a `#[test]`: at the level of `VERIFY_LEVEL`, under the name of the thread,
+    /// which is that of the test.
     ///
     /// # Panics
     /// If the test cannot run: the density is none, or integrates to no known value.
@@ -130,7 +151,8 @@ impl<D: Domain> ChiSquare<D> {
         }
     }
 
-    /// Draws n · effort samples and tests them; n is such that a right sampler is undecided with probability 1e-6.
+    /// Draws n · effort samples and tests them; n is such that a right sampler is undecided with probability
+    /// 1e-6.
     ///
     /// # Errors
     /// `Density`, `Quadrature`, `TooFew` if the density is none; `Parameter` if the bound is out of range.
@@ -138,10 +160,12 @@ impl<D: Domain> ChiSquare<D> {
         self.evidence_of(&self.subject, run, None)
     }
 
-    /// Like [`evidence`](Self::evidence), of the sampler with a planted defect: one of its numbers, u, is replaced by u^(1 + δ).
+    /// Like [`evidence`](Self::evidence), of the sampler with a planted defect: one of its numbers, u, is
+    /// replaced by u^(1 + δ).
     ///
-    /// * `rms`: RMS relative error over the coarse grid's columns that the defect gives to uniform numbers themselves; above 0. What it gives to the
-    ///   sampler's points is at most that, and less where one cell's points come from many values of u.
+    /// * `rms`: RMS relative error over the coarse grid's columns that the defect gives to uniform numbers
+    ///   themselves; above 0. What it gives to the sampler's points is at most that, and less where one
+    ///   cell's points come from many values of u.
     ///
     /// # Errors
     /// As [`evidence`](Self::evidence).
@@ -176,7 +200,8 @@ impl<D: Domain> ChiSquare<D> {
 impl<D: Domain> Target<D> {
     /// Sets the density, per unit of the domain's measure.
     ///
-    /// * `density`: at least 0 and finite; its integral over the domain may fall short of 1 by the probability of being discarded.
+    /// * `density`: at least 0 and finite; its integral over the domain may fall short of 1 by the
+    ///   probability of being discarded.
     #[must_use]
     pub fn density(mut self, density: impl Fn(D::Point) -> f64 + Send + Sync + 'static) -> Self {
         self.density = Box::new(density);
@@ -209,8 +234,8 @@ impl<D: Domain> Target<D> {
 
     /// Tests counts of independent points.
     ///
-    /// * `histogram`: of the shape that [`histogram`](Self::histogram) gives, with at least 10 samples; `bound`: RMS relative error over the
-    ///   coarse grid's cells, in (0, 1).
+    /// * `histogram`: of the shape that [`histogram`](Self::histogram) gives, with at least 10 samples;
+    ///   `bound`: RMS relative error over the coarse grid's cells, in (0, 1).
     ///
     /// # Errors
     /// `Density`, `Quadrature`, `TooFew`, `Parameter`.
@@ -273,143 +298,4 @@ fn exponent_of(rms: f64, columns: usize) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::f64::consts::PI;
-
-    use super::*;
-    use crate::claim::{Seed, Verdict};
-    use crate::domain::{Directions, Disk, Interval, Parallelogram};
-
-    fn polar(r: f64, turn: f64) -> [f64; 2] {
-        let (sin, cos) = (2.0 * PI * turn).sin_cos();
-        [r * cos, r * sin]
-    }
-
-    fn right_disk([u, v]: [f64; 2]) -> Option<[f64; 2]> {
-        Some(polar(u.sqrt(), v))
-    }
-
-    const RUN: Run = Run { seed: 1, effort: 1 };
-
-    #[test]
-    fn two_million_samples_resolve_less_than_one_percent_on_200_cells() {
-        let test = ChiSquare::on(Disk::unit()).samples(right_disk).bound(0.01);
-        let evidence = test.evidence(&RUN).expect("runs");
-        // λ* with 199 degrees of freedom: chi2.isf(1e-6) = 308.6 of scipy 1.17.1; 1e-3 of χ²(λ) lies below it at λ = 211, n = 2.11e6.
-        assert!((2_050_000..2_150_000).contains(&evidence.n), "{}", evidence.n);
-        assert_eq!((evidence.dof, evidence.bound), (Some(199.0), 0.01));
-        assert!(evidence.doubts.is_empty() && evidence.interval[1] < 0.01);
-        assert!((0.006..0.008).contains(&evidence.resolution.value)); // √(102.4…106)/2.11e6) = 0.0070, at 1e-3 and half of it
-    }
-
-    #[test]
-    fn the_right_disk_holds_and_wrong_ones_are_rejected() {
-        let test = ChiSquare::on(Disk::unit()).density(|_| 1.0 / PI).samples(right_disk).bound(0.01);
-        let test = test.rejects("no square root", |[u, v]: [f64; 2]| Some(polar(u, v)));
-        let test = test.rejects("exponent 0.51", |[u, v]: [f64; 2]| Some(polar(u.powf(0.51), v)));
-        let outcome = test.run(Seed::from_env());
-        outcome.assert_holds();
-        assert_eq!(outcome.controls.len(), 3);
-    }
-
-    #[test]
-    fn a_wrong_disk_fails_after_three_runs() {
-        let almost = |[u, v]: [f64; 2]| Some(polar(u.powf(0.51), v)); // RMS 2 %, at a resolution of 1.4 %
-        let outcome = ChiSquare::on(Disk::unit()).samples(almost).bound(0.02).run(Seed::from_env());
-        assert_eq!((outcome.verdict, outcome.runs), (Verdict::Fails, 3));
-    }
-
-    #[test]
-    fn a_blind_test_fails() {
-        let constant = |[_, v, w]: [f64; 3]| Some(polar(v.sqrt(), w)); // the first number is not used: its defect can't be seen
-        let outcome = ChiSquare::on(Disk::unit()).samples(constant).bound(0.05).run(Seed::from_env());
-        assert_eq!((outcome.verdict, outcome.accepted_controls().count()), (Verdict::Fails, 1));
-        ChiSquare::on(Disk::unit())
-            .samples(constant)
-            .defect_in(1)
-            .bound(0.05)
-            .run(Seed::from_env())
-            .assert_holds();
-    }
-
-    #[test]
-    fn points_outside_or_where_the_density_is_0_are_impossible() {
-        let out = |[u, v]: [f64; 2]| Some(if u < 1e-4 { [2.0, 0.0] } else { polar(u.sqrt(), v) });
-        let evidence = ChiSquare::on(Disk::unit()).samples(out).bound(0.1).evidence(&RUN).expect("runs");
-        assert!(evidence.p_value == 0.0 && evidence.doubts[0].contains("where there can be none"));
-        let upper_half = |[x, _]: [f64; 2]| if x < 0.5 { 2.0 } else { 0.0 };
-        let square = |edge: f64| move |[u, v]: [f64; 2]| Some([edge * u, v]);
-        let test = |edge| {
-            ChiSquare::on(Parallelogram::unit_square()).density(upper_half).samples(square(edge)).bound(0.1)
-        };
-        assert!(test(0.5).evidence(&RUN).expect("runs").p_value > 1e-3);
-        assert_eq!(test(0.501).evidence(&RUN).expect("runs").p_value, 0.0);
-    }
-
-    #[test]
-    fn discarded_samples_are_held_against_the_missing_mass() {
-        let keep = |share: f64| move |[u, v, w]: [f64; 3]| (w < share).then(|| polar(u.sqrt(), v));
-        let test = |mass: f64, share| {
-            ChiSquare::on(Disk::unit()).density(move |_| mass / PI).samples(keep(share)).bound(0.02)
-        };
-        test(0.7, 0.7).run(Seed::from_env()).assert_holds();
-        assert!(test(0.7, 0.71).evidence(&RUN).expect("runs").p_value < 1e-9);
-        assert!(test(1.0, 0.9999).evidence(&RUN).expect("runs").p_value < 1e-9);
-        assert_eq!(test(1.01, 1.0).evidence(&RUN).expect("runs").p_value, 0.0);
-    }
-
-    #[test]
-    fn a_narrow_error_is_seen_inside_the_cells() {
-        // A tooth of the size of a fine cell: the coarse grid's cells keep their counts.
-        let tooth =
-            |[u]: [f64; 1]| Some((u * 2000.0).floor() / 2000.0 + (u * 2000.0).fract().powf(1.1) / 2000.0);
-        let test = ChiSquare::on(Interval::unit()).samples(tooth).bound(0.01);
-        let evidence = test.evidence(&RUN).expect("runs");
-        assert!(evidence.p_value < 1e-9 && evidence.estimate < 0.01);
-    }
-
-    #[test]
-    fn points_too_even_to_be_independent_are_doubted() {
-        let target = ChiSquare::on(Interval::unit());
-        let mut histogram = target.histogram();
-        for i in 0..100_000 {
-            target.add(&mut histogram, f64::from(i) / 100_000.0);
-        }
-        let evidence = target.judge(&histogram, 0.1).expect("enough points");
-        assert!(!evidence.is_within_bound() && evidence.doubts[0].contains("smaller than independent"));
-    }
-
-    #[test]
-    fn a_singular_density_is_integrated_and_held() {
-        // The naive disk has density 1/(2πr): right when it is asked for.
-        let test = ChiSquare::on(Disk::unit()).density(|[x, y]| 1.0 / (2.0 * PI * x.hypot(y)));
-        test.samples(|[u, v]: [f64; 2]| Some(polar(u, v))).bound(0.02).run(Seed::from_env()).assert_holds();
-    }
-
-    #[test]
-    fn a_cosine_lobe_holds_and_a_uniform_one_is_rejected() {
-        let lobe = |[u, v]: [f64; 2]| {
-            let [x, y] = polar(u.sqrt(), v);
-            Some([x, y, (1.0 - u).sqrt()])
-        };
-        let uniform = |[u, v]: [f64; 2]| {
-            let [x, y] = polar((u * (2.0 - u)).sqrt(), v);
-            Some([x, y, 1.0 - u])
-        };
-        let test = ChiSquare::on(Directions::hemisphere()).density(|[_, _, z]| z / PI).samples(lobe);
-        test.bound(0.02).rejects("uniform", uniform).run(Seed::from_env()).assert_holds();
-    }
-
-    #[test]
-    fn the_planted_defect_has_the_size_asked_for() {
-        let exponent = exponent_of(0.02, 10);
-        let (n, mut histogram) = (1_000_000u32, vec![0.0; 10]);
-        for i in 0..n {
-            let u = ((f64::from(i) + 0.5) / f64::from(n)).powf(exponent);
-            histogram[(0..10).rfind(|k| u >= f64::from(*k) / 10.0).map_or(0, |k| k as usize)] +=
-                10.0 / f64::from(n);
-        }
-        let rms = (histogram.iter().map(|share: &f64| (share - 1.0).powi(2)).sum::<f64>() / 10.0).sqrt();
-        assert!((rms - 0.02).abs() < 2e-5, "{rms}"); // counts of 10⁶ even points are off by at most 1 of 10⁵ a cell
-    }
-}
+mod tests;

@@ -1,12 +1,15 @@
 //! Claims: what is asserted, with which bound, and the rule that turns evidence into a verdict.
 //!
-//! A claim runs its subject up to three times, at n, 4n and 16n, each from a fresh seed derived from (master seed, claim, step):
-//! - a run that does not reject "exactly right" at 1e-3, whose 99.9 % upper limit is below the bound and which has no doubts ends it: `Holds`;
+//! A claim runs its subject up to three times, at n, 4n and 16n, each from a fresh seed derived from (master
+//! seed, claim, step):
+//! - a run that does not reject "exactly right" at 1e-3, whose 99.9 % upper limit is below the bound and
+//!   which has no doubts ends it: `Holds`;
 //! - three rejections in a row: `Fails`, so a right part fails once in 1e9 claims;
 //! - otherwise (every run inconclusive, or some rejected and some not): `Undecided`.
 //!
-//! A run that neither rejects nor holds escalates too, since more samples may settle it. A subject whose defect equals the bound has three
-//! chances of 1e-3 to hold. Controls (wrong versions) run once, at n; one that is accepted makes the claim fail, for then the test is blind.
+//! A run that neither rejects nor holds escalates too, since more samples may settle it. A subject whose
+//! defect equals the bound has three chances of 1e-3 to hold. Controls (wrong versions) run once, at n; one
+//! that is accepted makes the claim fail, for then the test is blind.
 
 use std::time::Instant;
 
@@ -23,7 +26,8 @@ use crate::error::InputError;
 /// Probability at which one run rejects "exactly right", and of each of an interval's two sides.
 pub const REJECTION_LEVEL: f64 = 1e-3;
 
-/// Probability at which a single run fails a subject that cannot be drawn again, such as a file of points or an image.
+/// Probability at which a single run fails a subject that cannot be drawn again, such as a file of points or
+/// an image.
 pub const SINGLE_RUN_LEVEL: f64 = 1e-9;
 
 /// Factors on the sample count of the runs of one claim, in order.
@@ -34,7 +38,8 @@ const ESCALATION: [u64; 3] = [1, 4, 16];
 pub enum Verdict {
     /// The 99.9 % upper limit of the defect is below the bound.
     Holds,
-    /// Three runs in a row, at n, 4n and 16n, each rejected "exactly right" at 1e-3; or a control was accepted.
+    /// Three runs in a row, at n, 4n and 16n, each rejected "exactly right" at 1e-3; or a control was
+    /// accepted.
     Fails,
     /// Neither; never a pass.
     Undecided,
@@ -97,7 +102,8 @@ pub fn claim(id: impl Into<String>, says: impl Into<String>) -> ClaimBuilder {
 }
 
 impl ClaimBuilder {
-    /// Replaces the bound that the evidence carries, for this claim and its controls, in the quantity of the evidence's estimate.
+    /// Replaces the bound that the evidence carries, for this claim and its controls, in the quantity of the
+    /// evidence's estimate.
     ///
     /// The sample count does not follow: a trial that derives n from a bound must be given it as well.
     pub fn bound(mut self, bound: f64) -> Self {
@@ -105,9 +111,11 @@ impl ClaimBuilder {
         self
     }
 
-    /// Rejects a run when its 99.9 % interval lies above the bound, instead of when its p-value is below 1e-3.
+    /// Rejects a run when its 99.9 % interval lies above the bound, instead of when its p-value is below
+    /// 1e-3.
     ///
-    /// For quantities of which no exact value is asserted (rates, slopes, costs); their evidence may have `p_value` NaN.
+    /// For quantities of which no exact value is asserted (rates, slopes, costs); their evidence may have
+    /// `p_value` NaN.
     pub fn judged_by_interval(mut self) -> Self {
         self.criterion = Criterion::Interval;
         self
@@ -152,7 +160,8 @@ impl Claim {
     /// * `level`: factor on the sample count.
     ///
     /// # Errors
-    /// Whatever a trial cannot do; and `Parameter` when a p-value or a bound is not a number, which no verdict can rest on.
+    /// Whatever a trial cannot do; and `Parameter` when a p-value or a bound is not a number, which no
+    /// verdict can rest on.
     pub fn run(&self, seed: u64, level: Level) -> Result<Outcome, InputError> {
         let start = Instant::now();
         let (mut verdict, mut rejections, mut runs) = (Verdict::Undecided, 0, 0u8);

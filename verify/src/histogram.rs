@@ -15,8 +15,9 @@ impl Histogram {
         Self { shape, counts: vec![0; shape[0] * shape[1]], discarded: 0, outside: 0 }
     }
 
-    /// Counts a point by its coordinates on the unit square, as [`Domain::to_square`](crate::domain::Domain::to_square) gives them; `None`, or
-    /// coordinates out of [0, 1), are outside.
+    /// Counts a point by its coordinates on the unit square, as
+    /// [`Domain::to_square`](crate::domain::Domain::to_square) gives them; `None`, or coordinates out of [0,
+    /// 1), are outside.
     #[inline]
     pub fn add(&mut self, square: Option<[f64; 2]>) {
         let [columns, rows] = self.shape;

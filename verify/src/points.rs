@@ -5,20 +5,20 @@ const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Fills one point with independent numbers, uniform on [0, 1).
 ///
-/// A number is a pure function of seed, index, and its place in the point: `SplitMix64` at counter index · dimensions + place. So points can be
-/// made again, skipped, or made in any order.
+/// A number is a pure function of seed, index, and its place in the point: `SplitMix64` at counter index ·
+/// dimensions + place. So points can be made again, skipped, or made in any order.
 ///
 /// * `seed`: of the run.
 /// * `index`: of the point.
 /// * `point`: receives multiples of 2⁻⁵³ in [0, 1); 1 never comes out.
 ///
 /// # Precision, limits
-/// Index · dimensions must stay below 2⁶⁴. Two seeds read the same sequence from places that are unrelated: for 10⁹ numbers each, they overlap
-/// with probability 10⁻¹⁰.
+/// Index · dimensions must stay below 2⁶⁴. Two seeds read the same sequence from places that are unrelated:
+/// for 10⁹ numbers each, they overlap with probability 10⁻¹⁰.
 ///
 /// # Source
-/// Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators", OOPSLA, doi 10.1145/2660193.2660195; the finaliser is Stafford's
-/// variant 13.
+/// Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators", OOPSLA, doi
+/// 10.1145/2660193.2660195; the finaliser is Stafford's variant 13.
 #[inline]
 pub fn fill(seed: u64, index: u64, point: &mut [f64]) {
     let first = index.wrapping_mul(point.len() as u64);

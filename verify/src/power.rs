@@ -1,7 +1,9 @@
-//! The non-central chi-square distribution: what a chi-square test sees of a defect, and which defects a statistic leaves possible.
+//! The non-central chi-square distribution: what a chi-square test sees of a defect, and which defects a
+//! statistic leaves possible.
 //!
-//! Counts of n points in k + 1 cells whose probabilities are off by Δ give a statistic that follows, for large n, the non-central chi-square
-//! distribution with k degrees of freedom and λ = n Σ Δ²/p. The RMS relative error over cells is √(λ/n).
+//! Counts of n points in k + 1 cells whose probabilities are off by Δ give a statistic that follows, for
+//! large n, the non-central chi-square distribution with k degrees of freedom and λ = n Σ Δ²/p. The RMS
+//! relative error over cells is √(λ/n).
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::{gamma_lr, gamma_ur, ln_gamma};
@@ -32,8 +34,9 @@ pub fn chi_square_critical(p: f64, dof: f64) -> f64 {
 
 /// Probability that a non-central chi-square statistic is at most `x`.
 ///
-/// F(x; k, λ) = Σⱼ Poisson(j; λ/2) P(k/2 + j, x/2) with the regularised incomplete gamma function P. One value of P is computed, at the
-/// largest j that counts; the others follow from P(a, y) = P(a + 1, y) + yᵃ e⁻ʸ/Γ(a + 1), a sum of positive terms, so nothing cancels.
+/// F(x; k, λ) = Σⱼ Poisson(j; λ/2) P(k/2 + j, x/2) with the regularised incomplete gamma function P. One
+/// value of P is computed, at the largest j that counts; the others follow from P(a, y) = P(a + 1, y) + yᵃ
+/// e⁻ʸ/Γ(a + 1), a sum of positive terms, so nothing cancels.
 ///
 /// * `x`: at least 0; `dof`: above 0; `lambda`: at least 0.
 ///
@@ -63,9 +66,11 @@ pub fn noncentral_cdf(x: f64, dof: f64, lambda: f64) -> f64 {
     sum.min(1.0)
 }
 
-/// Probability that a non-central chi-square statistic exceeds `x`: the complement of [`noncentral_cdf`], with its own full precision.
+/// Probability that a non-central chi-square statistic exceeds `x`: the complement of [`noncentral_cdf`],
+/// with its own full precision.
 ///
-/// The same sum with Q = 1 − P, from the smallest j that counts upward: Q(a + 1, y) = Q(a, y) + yᵃ e⁻ʸ/Γ(a + 1).
+/// The same sum with Q = 1 − P, from the smallest j that counts upward: Q(a + 1, y) = Q(a, y) + yᵃ e⁻ʸ/Γ(a +
+/// 1).
 ///
 /// * `x`: at least 0; `dof`: above 0; `lambda`: at least 0.
 pub fn noncentral_sf(x: f64, dof: f64, lambda: f64) -> f64 {
@@ -85,7 +90,8 @@ pub fn noncentral_sf(x: f64, dof: f64, lambda: f64) -> f64 {
     sum.min(1.0)
 }
 
-/// The largest λ that leaves a statistic of at most `x` with probability at least `p`: the upper limit of λ at confidence 1 − p.
+/// The largest λ that leaves a statistic of at most `x` with probability at least `p`: the upper limit of λ
+/// at confidence 1 − p.
 ///
 /// Returns: 0 where even λ = 0 leaves such a small statistic with less than `p`.
 pub fn lambda_upper(x: f64, dof: f64, p: f64) -> f64 {
@@ -93,8 +99,8 @@ pub fn lambda_upper(x: f64, dof: f64, p: f64) -> f64 {
     if !too_small(0.0) { 0.0 } else { bisect(bracket(x, too_small), too_small) }
 }
 
-/// The smallest λ that gives a statistic above `x` with probability at least `p`: the lower limit of λ at confidence 1 − p, and, for a critical
-/// value `x`, the λ that is caught with power `p`.
+/// The smallest λ that gives a statistic above `x` with probability at least `p`: the lower limit of λ at
+/// confidence 1 − p, and, for a critical value `x`, the λ that is caught with power `p`.
 ///
 /// Returns: 0 where no defect is needed.
 pub fn lambda_lower(x: f64, dof: f64, p: f64) -> f64 {
@@ -158,7 +164,8 @@ pub(crate) fn bisect([mut low, mut high]: [f64; 2], is_below: impl Fn(f64) -> bo
 mod tests {
     use super::*;
 
-    /// x, degrees of freedom, λ, cdf, sf: by the Poisson mixture in 40 digits (mpmath), and the same to 13 digits by scipy 1.17.1 `ncx2`.
+    /// x, degrees of freedom, λ, cdf, sf: by the Poisson mixture in 40 digits (mpmath), and the same to 13
+    /// digits by scipy 1.17.1 `ncx2`.
     const REFERENCE: [[f64; 5]; 8] = [
         [3.0, 5.0, 0.5, 0.25692939942805, 0.74307060057195],
         [1800.0, 5.0, 2000.0, 0.0096195229452068, 0.99038047705479],

@@ -1,12 +1,13 @@
 //! Integrals to a stated error, by adaptive Gauss–Kronrod rules in one and two dimensions.
 //!
-//! The interval or rectangle is divided where the estimated error is largest, across the axis that causes it, until the sum of the estimates is
-//! small enough or too many pieces are needed. So a jump, a kink or an integrable singularity costs pieces along it, and what was not reached is
-//! reported instead of hidden.
+//! The interval or rectangle is divided where the estimated error is largest, across the axis that causes it,
+//! until the sum of the estimates is small enough or too many pieces are needed. So a jump, a kink or an
+//! integrable singularity costs pieces along it, and what was not reached is reported instead of hidden.
 
 use std::collections::BinaryHeap;
 
-/// Positive abscissae of the Kronrod rule of 7 points on [−1, 1]; the second is also one of the Gauss rule of 3 points.
+/// Positive abscissae of the Kronrod rule of 7 points on [−1, 1]; the second is also one of the Gauss rule of
+/// 3 points.
 const ABSCISSAE: [f64; 3] = [0.960_491_268_708_020_3, 0.774_596_669_241_483_4, 0.434_243_749_346_802_56];
 
 /// Weights of the 7 points, in the order of [`nodes`]; exact for polynomials of degree 11.
@@ -38,8 +39,8 @@ pub struct Tolerance {
 pub struct Integral {
     /// Its value.
     pub value: f64,
-    /// Estimate of the absolute error: the sum over the pieces of the difference of the two rules, which for smooth functions exceeds the error
-    /// by orders of magnitude.
+    /// Estimate of the absolute error: the sum over the pieces of the difference of the two rules, which for
+    /// smooth functions exceeds the error by orders of magnitude.
     pub error: f64,
 }
 
@@ -56,10 +57,12 @@ pub fn integrate(f: &impl Fn(f64) -> f64, [a, b]: [f64; 2], tolerance: Tolerance
 /// * `rectangle`: range of x, range of y.
 ///
 /// # Precision, limits
-/// The error's estimate misses what no node sees: a feature narrower than 1/50 of a rectangle that the first 49 nodes miss.
+/// The error's estimate misses what no node sees: a feature narrower than 1/50 of a rectangle that the first
+/// 49 nodes miss.
 ///
 /// # Source
-/// Kronrod 1965, "Nodes and weights of quadrature formulas"; the division by largest error is that of Piessens et al. 1983, QUADPACK, QAG.
+/// Kronrod 1965, "Nodes and weights of quadrature formulas"; the division by largest error is that of
+/// Piessens et al. 1983, QUADPACK, QAG.
 ///
 /// # Verified by
 /// `quadrature::tests`

@@ -1,11 +1,13 @@
-//! Calibration: the tests reject what is right as often as they say, and find what is wrong as often as they say.
+//! Calibration: the tests reject what is right as often as they say, and find what is wrong as often as they
+//! say.
 
 use verify::chi_square::ChiSquare;
 use verify::claim::{Run, Seed};
 use verify::domain::Parallelogram;
 use verify::power::chi_square_sf;
 
-/// Runs of a right sampler. The bound makes 5,280 samples of each: about 27 in a coarse cell, 0.27 in a fine one, so that pooling is tested too.
+/// Runs of a right sampler. The bound makes 5,280 samples of each: about 27 in a coarse cell, 0.27 in a fine
+/// one, so that pooling is tested too.
 const RUNS: u64 = 2000;
 const SMALL: f64 = 0.2;
 
@@ -46,7 +48,8 @@ fn largest_distance(n: f64) -> f64 {
     ((2.0 / FALSE_ALARM).ln() / (2.0 * n)).sqrt()
 }
 
-/// Bernstein, for a binomial count X of a given mean: P(|X − mean| > t) ≤ 2 exp(−t²/2/(mean + t/3)), solved for t.
+/// Bernstein, for a binomial count X of a given mean: P(|X − mean| > t) ≤ 2 exp(−t²/2/(mean + t/3)), solved
+/// for t.
 fn slack(mean: f64) -> f64 {
     let l = (2.0 / FALSE_ALARM).ln();
     l / 3.0 + (l * l / 9.0 + 2.0 * l * mean).sqrt()

@@ -7,8 +7,9 @@ use crate::error::InputError;
 use crate::histogram::coarsen;
 use crate::quadrature::{Tolerance, integrate_2d};
 
-/// Error accepted in a cell of the fine grid. Relative: λ = N Σ p δ² of N points is N·10⁻¹², which no sample count notices. Absolute: over
-/// 20,000 cells, 2·10⁻⁸ of the whole. Pieces: a jump through a cell is found to 1/250 of its length, at 25,000 evaluations.
+/// Error accepted in a cell of the fine grid. Relative: λ = N Σ p δ² of N points is N·10⁻¹², which no sample
+/// count notices. Absolute: over 20,000 cells, 2·10⁻⁸ of the whole. Pieces: a jump through a cell is found to
+/// 1/250 of its length, at 25,000 evaluations.
 const TOLERANCE: Tolerance = Tolerance { relative: 1e-6, absolute: 1e-12, pieces: 500 };
 
 /// Error of the whole integral above which there is nothing to compare counts with.
@@ -27,7 +28,8 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The non-centrality that the quadrature's errors alone can give a chi-square statistic of n points: n Σ δ²/p.
+    /// The non-centrality that the quadrature's errors alone can give a chi-square statistic of n points: n Σ
+    /// δ²/p.
     pub(super) fn quadrature_lambda(&self, n: f64) -> f64 {
         let cells = self.probabilities.iter().zip(&self.errors);
         cells.filter(|(p, _)| **p > 0.0).map(|(p, error)| n * error * error / p).sum()
@@ -59,8 +61,8 @@ impl Expected {
     /// Integrates a density over the cells of a domain.
     ///
     /// # Errors
-    /// `Density` where it is negative or not finite, `Quadrature` if its integral is not known to 1 %, `TooFew` if fewer than two cells are
-    /// possible.
+    /// `Density` where it is negative or not finite, `Quadrature` if its integral is not known to 1 %,
+    /// `TooFew` if fewer than two cells are possible.
     pub(super) fn of<D: Domain>(domain: &D, density: &dyn Fn(D::Point) -> f64) -> Result<Self, InputError> {
         let (coarse_shape, factor) = (domain.coarse_grid(), domain.refinement());
         let shape = [coarse_shape[0] * factor[0], coarse_shape[1] * factor[1]];
@@ -117,7 +119,8 @@ impl Expected {
         [self.fine.shape[0] / self.coarse.shape[0], self.fine.shape[1] / self.coarse.shape[1]]
     }
 
-    /// Probability of being discarded; 0 where the density's integral doesn't differ from 1 by more than its error.
+    /// Probability of being discarded; 0 where the density's integral doesn't differ from 1 by more than its
+    /// error.
     pub(super) fn discarded(&self) -> f64 {
         let missing = 1.0 - self.mass;
         if missing > self.mass_error { missing } else { 0.0 }

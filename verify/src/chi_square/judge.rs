@@ -1,4 +1,5 @@
-//! From counts and expectations to evidence: how many samples, which p, which limits, what could have been seen.
+//! From counts and expectations to evidence: how many samples, which p, which limits, what could have been
+//! seen.
 
 use super::expected::Expected;
 use super::pearson::{Pearson, count_p_value, pearson, pearson_within};
@@ -21,7 +22,8 @@ const QUADRATURE_SHARE: f64 = 0.1;
 
 /// The number of samples with which a right sampler's upper limit is below the bound but once in 10⁶.
 ///
-/// λ* is the non-centrality that leaves a statistic of at most the central 1e-6 point with probability 1e-3; n = λ*/bound².
+/// λ* is the non-centrality that leaves a statistic of at most the central 1e-6 point with probability 1e-3;
+/// n = λ*/bound².
 pub(super) fn sample_count(expected: &Expected, bound: f64) -> Result<u64, InputError> {
     if !(bound > 0.0 && bound < 1.0) {
         return Err(InputError::Parameter {
@@ -64,8 +66,8 @@ fn degrees_of_freedom(expected: &Expected) -> f64 {
 
 /// Tests counts against expectations.
 ///
-/// Impossible points (outside the domain, in cells of probability 0) and a density that integrates to more than 1 are wrong whatever the
-/// statistics say: p = 0.
+/// Points outside the domain and a density that integrates to more than 1 are wrong whatever the statistics
+/// say: p = 0. Points in cells of probability 0 must be as few as rounding and the quadrature's error allow.
 pub(super) fn judge(
     expected: &Expected,
     histogram: &Histogram,
@@ -84,18 +86,25 @@ pub(super) fn judge(
         pearson(cells.iter().copied().chain([(histogram.discarded() as f64, n * expected.discarded())]));
     let within = pearson_within(blocks(expected, histogram, n));
     let discarded_p = discarded_p_value(expected, histogram);
-    let impossible = impossible_points(expected, histogram);
+    let stray = stray_points(expected, histogram);
+    let stray_p = count_p_value(stray, total, 0.0, expected.mass_error);
+    let counts_matter = expected.discarded() > 0.0 || histogram.discarded() > 0 || stray > 0;
     let p_value = match either(coarse.p_value, within.p_value) {
-        _ if impossible > 0 || expected.exceeds_one() => 0.0,
-        p if expected.discarded() == 0.0 && histogram.discarded() == 0 => p,
-        p => (2.0 * p.min(discarded_p)).min(1.0),
+        _ if histogram.outside() > 0 || expected.exceeds_one() => 0.0,
+        p if counts_matter => (2.0 * p).min(4.0 * discarded_p).min(4.0 * stray_p).min(1.0),
+        p => p,
     };
     let [low, high] = [lambda_lower, lambda_upper]
         .map(|limit| (limit(coarse.statistic, coarse.dof, REJECTION_LEVEL) / n).sqrt());
     let (observed, expectations) = cells.into_iter().unzip();
     let shape = expected.coarse.shape;
     Ok(Evidence {
-        method: method(domain, [coarse, within], histogram, discarded_p),
+        method: method(
+            domain,
+            [coarse, within],
+            histogram,
+            [(histogram.discarded(), discarded_p), (stray, stray_p)],
+        ),
         n: total,
         statistic: coarse.statistic,
         dof: Some(coarse.dof),
@@ -108,7 +117,7 @@ pub(super) fn judge(
             value: resolution(expected, total),
             power: POWER,
         },
-        doubts: doubts(expected, [coarse, within], n, impossible),
+        doubts: doubts(expected, [coarse, within], histogram),
         pictures: vec![Picture::Cells { shape, axes, observed, expected: expectations }],
     })
 }
@@ -136,30 +145,38 @@ fn discarded_p_value(expected: &Expected, histogram: &Histogram) -> f64 {
     count_p_value(histogram.discarded(), histogram.total(), low, high)
 }
 
-/// Points where there can be none: outside the domain, or in cells where the density is 0.
-fn impossible_points(expected: &Expected, histogram: &Histogram) -> u64 {
+/// Points in cells where the density is 0, as far as the quadrature sees.
+fn stray_points(expected: &Expected, histogram: &Histogram) -> u64 {
     let cells = histogram.counts().iter().zip(&expected.fine.probabilities);
-    histogram.outside() + cells.filter(|(_, p)| **p == 0.0).map(|(count, _)| count).sum::<u64>()
+    cells.filter(|(_, p)| **p == 0.0).map(|(count, _)| count).sum()
 }
 
-fn method(domain: &str, [coarse, within]: [Pearson; 2], histogram: &Histogram, discarded_p: f64) -> String {
+fn method(
+    domain: &str,
+    [coarse, within]: [Pearson; 2],
+    histogram: &Histogram,
+    counts: [(u64, f64); 2],
+) -> String {
     let (cells, p) = (coarse.dof + 1.0, coarse.p_value);
-    let grids = format!(
+    let mut text = format!(
         "chi-square on the {domain}: {cells} cells, p {p:.2e}; inside them, {} more, p {:.2e}",
         within.dof, within.p_value
     );
-    match histogram.discarded() {
-        0 if discarded_p == 1.0 => grids,
-        count => format!("{grids}; {count} samples discarded, p {discarded_p:.2e}"),
+    for ((count, p), what) in counts.into_iter().zip(["discarded", "where the density is 0"]) {
+        if count > 0 || p < 1.0 {
+            text += &format!("; {count} {what}, p {p:.2e}");
+        }
     }
+    if histogram.outside() > 0 {
+        text += &format!("; {} outside", histogram.outside());
+    }
+    text
 }
 
-fn doubts(expected: &Expected, tests: [Pearson; 2], n: f64, impossible: u64) -> Vec<String> {
-    let mut doubts = Vec::new();
-    if impossible > 0 {
-        doubts.push(format!(
-            "{impossible} points where there can be none: outside the domain, or where the density is 0"
-        ));
+fn doubts(expected: &Expected, tests: [Pearson; 2], histogram: &Histogram) -> Vec<String> {
+    let (mut doubts, n) = (Vec::new(), histogram.total() as f64);
+    if histogram.outside() > 0 {
+        doubts.push(format!("{} points are outside the domain", histogram.outside()));
     }
     if expected.exceeds_one() {
         doubts.push(format!("the density integrates to {}, more than 1", expected.mass));

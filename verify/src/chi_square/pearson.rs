@@ -32,10 +32,11 @@ pub(super) fn pearson(cells: impl Iterator<Item = (f64, f64)>) -> Pearson {
     Pearson::of(statistic, dof)
 }
 
-/// Compares counts inside blocks of cells with what the block's own count and the expectations' ratios make of it.
+/// Compares counts inside blocks of cells with what the block's own count and the expectations' ratios make
+/// of it.
 ///
-/// Given the blocks' counts, this statistic does not depend on how the points are spread over blocks; so its p-value and that of the blocks are
-/// independent when the expectations are right.
+/// Given the blocks' counts, this statistic does not depend on how the points are spread over blocks; so its
+/// p-value and that of the blocks are independent when the expectations are right.
 ///
 /// * `blocks`: observed and expected counts of the cells of each block; cells of expectation 0 take no part.
 pub(super) fn pearson_within(blocks: impl Iterator<Item = Vec<(f64, f64)>>) -> Pearson {
@@ -52,7 +53,8 @@ pub(super) fn pearson_within(blocks: impl Iterator<Item = Vec<(f64, f64)>>) -> P
     Pearson::of(statistic, dof)
 }
 
-/// Joins cells of expectation below 5, the rarest first, until each has at least 5; what remains joins the smallest other cell.
+/// Joins cells of expectation below 5, the rarest first, until each has at least 5; what remains joins the
+/// smallest other cell.
 fn pool(cells: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let (mut large, mut rare): (Vec<_>, Vec<_>) =
         cells.filter(|(_, e)| *e > 0.0).partition(|(_, e)| *e >= POOLED_BELOW);
@@ -74,9 +76,11 @@ fn pool(cells: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     large
 }
 
-/// Two-sided probability of a count as far from its expectation, when its probability is only known to be between two values.
+/// Two-sided probability of a count as far from its expectation, when its probability is only known to be
+/// between two values.
 ///
-/// * `count`: of `n`, at most `n`; `low`, `high`: limits of its probability; the tail above is taken at `high`, the one below at `low`.
+/// * `count`: of `n`, at most `n`; `low`, `high`: limits of its probability; the tail above is taken at
+///   `high`, the one below at `low`.
 pub(super) fn count_p_value(count: u64, n: u64, low: f64, high: f64) -> f64 {
     let at_most = binomial_at_least(n - count, n, 1.0 - low); // the others, of the complementary probability
     (2.0 * binomial_at_least(count, n, high).min(at_most)).min(1.0)

@@ -49,7 +49,8 @@ impl Level {
     /// The level in the environment variable `VERIFY_LEVEL`; `Quick` where it is not set.
     ///
     /// # Panics
-    /// If it is set to anything but `quick`, `standard` or `exhaustive`: a test that ran at another level than asked for would mislead.
+    /// If it is set to anything but `quick`, `standard` or `exhaustive`: a test that ran at another level
+    /// than asked for would mislead.
     pub fn from_env() -> Self {
         let Ok(name) = std::env::var("VERIFY_LEVEL") else { return Self::Quick };
         match Self::named(&name) {
@@ -66,7 +67,8 @@ impl Seed {
     /// The master seed in the environment variable `VERIFY_SEED`; 0 where it is not set.
     ///
     /// # Panics
-    /// If it is set to anything but an integer from 0 to 2⁶⁴ − 1: a test that ran from another seed than asked for would mislead.
+    /// If it is set to anything but an integer from 0 to 2⁶⁴ − 1: a test that ran from another seed than
+    /// asked for would mislead.
     pub fn from_env() -> u64 {
         let Ok(text) = std::env::var("VERIFY_SEED") else { return 0 };
         match text.parse() {
@@ -79,8 +81,8 @@ impl Seed {
 
     /// Derives the seed of one step of one subject from the master seed.
     ///
-    /// The label is hashed with 64-bit FNV-1a; [`seeds::derive`](crate::seeds::derive) joins master, hash and step, so that seeds of different
-    /// masters, labels or steps are unrelated.
+    /// The label is hashed with 64-bit FNV-1a; [`seeds::derive`](crate::seeds::derive) joins master, hash and
+    /// step, so that seeds of different masters, labels or steps are unrelated.
     ///
     /// # Source
     /// Fowler, Noll, Vo, "The FNV non-cryptographic hash algorithm".

@@ -41,12 +41,14 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Whether the 99.9 % upper limit of the defect is below the bound and nothing speaks against trusting it.
+    /// Whether the 99.9 % upper limit of the defect is below the bound and nothing speaks against trusting
+    /// it.
     pub fn is_within_bound(&self) -> bool {
         self.interval[1] < self.bound && self.doubts.is_empty()
     }
 
-    /// The verdict on a subject that cannot be drawn again, such as a file: `Fails` at 1e-9, since there is no second run.
+    /// The verdict on a subject that cannot be drawn again, such as a file: `Fails` at 1e-9, since there is
+    /// no second run.
     pub fn verdict_of_single_run(&self) -> Verdict {
         if self.p_value < SINGLE_RUN_LEVEL {
             Verdict::Fails

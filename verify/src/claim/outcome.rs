@@ -1,4 +1,5 @@
-//! What running a claim gives: its verdict, the evidence of its last run, its controls; and the message of a test that does not hold.
+//! What running a claim gives: its verdict, the evidence of its last run, its controls; and the message of a
+//! test that does not hold.
 
 use std::fmt::{Display, Formatter};
 
@@ -47,12 +48,14 @@ impl Outcome {
     /// Passes if the verdict is `Holds`.
     ///
     /// # Panics
-    /// Otherwise; the message has statistic, degrees of freedom, p, level, n, seed, the three worst cells, and the command that repeats it.
+    /// Otherwise; the message has statistic, degrees of freedom, p, level, n, seed, the three worst cells,
+    /// and the command that repeats it.
     pub fn assert_holds(&self) {
         assert!(self.verdict == Verdict::Holds, "{self}");
     }
 
-    /// The command that repeats a test: the test's own name where the thread has one, as under `cargo test`; else the claim's id.
+    /// The command that repeats a test: the test's own name where the thread has one, as under `cargo test`;
+    /// else the claim's id.
     fn command(&self) -> String {
         let thread = std::thread::current();
         let test = thread.name().filter(|name| *name != "main").unwrap_or(&self.id);

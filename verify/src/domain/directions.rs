@@ -31,7 +31,8 @@ impl Directions {
 impl Domain for Directions {
     type Point = [f64; 3];
 
-    /// The share of the height between pole and rim (Archimedes: dω = dz dφ), and the angle about z as a share of the circle.
+    /// The share of the height between pole and rim (Archimedes: dω = dz dφ), and the angle about z as a
+    /// share of the circle.
     fn to_square(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
         let ring = x * x + y * y;
         let square = ring + z * z;

@@ -23,7 +23,8 @@ impl Disk {
 impl Domain for Disk {
     type Point = [f64; 2];
 
-    /// The square of the distance from the centre over that of the edge, and the angle as a share of the circle: r dr dφ = d(r²/2) dφ.
+    /// The square of the distance from the centre over that of the edge, and the angle as a share of the
+    /// circle: r dr dφ = d(r²/2) dφ.
     fn to_square(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let share = inside((x * x + y * y) / (self.radius * self.radius), 2.0 * EDGE_ROUNDING)?;
         Some([share, turn(x, y)])

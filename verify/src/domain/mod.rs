@@ -1,7 +1,8 @@
-//! Where samples live: each domain maps its points to the unit square such that equal areas there have equal measure.
+//! Where samples live: each domain maps its points to the unit square such that equal areas there have equal
+//! measure.
 //!
-//! So every cell of a regular grid on the unit square has the same share of the domain's measure, whatever the domain, and one histogram, one
-//! quadrature and one chi-square test serve them all.
+//! So every cell of a regular grid on the unit square has the same share of the domain's measure, whatever
+//! the domain, and one histogram, one quadrature and one chi-square test serve them all.
 
 mod directions;
 mod disk;
@@ -15,24 +16,26 @@ pub use interval::Interval;
 pub use parallelogram::Parallelogram;
 pub use triangle::Triangle;
 
-/// Relative distance by which a point may miss its domain, since points made in single precision miss it by rounding.
+/// Relative distance by which a point may miss its domain, since points made in single precision miss it by
+/// rounding.
 ///
-/// A few roundings of 2⁻²⁴ = 6e-8 each stay below it; a share of 1e-6 of the measure is below the resolution of any test of less than 10¹²
-/// points.
+/// A few roundings of 2⁻²⁴ = 6e-8 each stay below it; a share of 1e-6 of the measure is below the resolution
+/// of any test of less than 10¹² points.
 pub const EDGE_ROUNDING: f64 = 1e-6;
 
 /// The largest number below 1: coordinates of points on the far edge.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// A set of points with a measure (length, area, solid angle), and a measure-preserving map to the unit square.
+/// A set of points with a measure (length, area, solid angle), and a measure-preserving map to the unit
+/// square.
 pub trait Domain: Send + Sync + 'static {
     /// What a point is, such as `[f64; 3]`.
     type Point: Copy;
 
     /// Maps a point to the unit square.
     ///
-    /// Returns: coordinates in [0, 1)², uniform when points are uniform on the domain; `None` if the point is outside by more than
-    /// [`EDGE_ROUNDING`], or not a number.
+    /// Returns: coordinates in [0, 1)², uniform when points are uniform on the domain; `None` if the point is
+    /// outside by more than [`EDGE_ROUNDING`], or not a number.
     fn to_square(&self, point: Self::Point) -> Option<[f64; 2]>;
 
     /// The point of given coordinates in [0, 1]²; the inverse of [`to_square`](Self::to_square).
@@ -67,11 +70,12 @@ fn inside(x: f64, slack: f64) -> Option<f64> {
 
 /// The angle of a point about the origin, as a share of the full circle in [0, 1).
 ///
-/// Folded to the eighth about an axis, where the tangent t is at most √2 − 1, and there arctan t as its series to t²¹: a third of the time of
-/// `atan2`, which every point of a disk or sphere needs.
+/// Folded to the eighth about an axis, where the tangent t is at most √2 − 1, and there arctan t as its
+/// series to t²¹: a third of the time of `atan2`, which every point of a disk or sphere needs.
 ///
 /// # Precision, limits
-/// Absolute error below 2e-11, of which t²³/23/2π = 1.2e-11 is the series'. `domain::tests::turns_agree_with_atan2`.
+/// Absolute error below 2e-11, of which t²³/23/2π = 1.2e-11 is the series'.
+/// `domain::tests::turns_agree_with_atan2`.
 fn turn(x: f64, y: f64) -> f64 {
     let (ax, ay) = (x.abs(), y.abs());
     let (near, far) = (ax.min(ay), ax.max(ay));
@@ -86,7 +90,8 @@ fn turn(x: f64, y: f64) -> f64 {
     mirror(0.5, half, y).min(BELOW_ONE)
 }
 
-/// `value` where `sign` is positive, else its mirror image in `centre`; without a branch, which random signs would mispredict.
+/// `value` where `sign` is positive, else its mirror image in `centre`; without a branch, which random signs
+/// would mispredict.
 fn mirror(centre: f64, value: f64, sign: f64) -> f64 {
     centre - (centre - value).copysign(sign)
 }

@@ -1,7 +1,8 @@
 use super::{Domain, EDGE_ROUNDING, dot, inside, minus};
 use crate::error::InputError;
 
-/// Points o + x·a + y·b in two or three dimensions; its measure is area. Rectangles and the unit square are special cases.
+/// Points o + x·a + y·b in two or three dimensions; its measure is area. Rectangles and the unit square are
+/// special cases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parallelogram<const N: usize> {
     origin: [f64; N],

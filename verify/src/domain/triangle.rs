@@ -22,8 +22,8 @@ impl<const N: usize> Triangle<N> {
 impl<const N: usize> Domain for Triangle<N> {
     type Point = [f64; N];
 
-    /// With barycentric coordinates b and c of the second and third vertex: the square of s = b + c, since the strip between s and s + ds has area
-    /// proportional to s ds, and the place along that strip, c/s.
+    /// With barycentric coordinates b and c of the second and third vertex: the square of s = b + c, since
+    /// the strip between s and s + ds has area proportional to s ds, and the place along that strip, c/s.
     fn to_square(&self, point: [f64; N]) -> Option<[f64; 2]> {
         let [b, c] = self.frame.plane_coordinates(point)?;
         let (b, c) = (inside(b, EDGE_ROUNDING)?, inside(c, EDGE_ROUNDING)?);
