@@ -8,6 +8,7 @@
 
 mod disk;
 mod furnace;
+mod penumbra;
 mod polygon;
 mod rectangle;
 mod solid_angle;
@@ -15,6 +16,7 @@ mod sphere;
 
 pub use disk::from_parallel_disk;
 pub use furnace::{furnace_radiance, integrating_sphere_irradiance};
+pub use penumbra::behind_half_plane;
 pub use polygon::from_polygon;
 pub use rectangle::{from_parallel_rectangle, from_perpendicular_rectangle};
 pub use solid_angle::{
@@ -67,6 +69,11 @@ pub(crate) mod quadrature {
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
         let row = |i: u32| -> f64 { (0..n).map(|j| f(at(i), at(j))).sum() };
         (0..n).map(row).sum::<f64>() / f64::from(n).powi(2)
+    }
+
+    /// Midpoint rule with n nodes over [0, 1].
+    pub(crate) fn over_unit(n: u32, f: impl Fn(f64) -> f64) -> f64 {
+        (0..n).map(|i| f((f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n)
     }
 
     /// cos θ·|cos θ'|/r² from the receiver to a light's point with the given unit normal; 0 below the horizon.

@@ -72,7 +72,7 @@ fn signed_triangle(from: [f64; 3], vertices: [[f64; 3]; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::quadrature::over_square;
+    use super::super::quadrature::over_unit;
     use super::*;
     use proptest::prelude::*;
 
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn a_disk_and_its_touching_sphere_agree_with_quadrature() {
-        let numeric = over_square(2000, |s, _| {
+        let numeric = over_unit(2000, |s| {
             let r = 0.7 * s;
             2.0 * PI * 0.7 * r * 1.2 / (r * r + 1.44).powf(1.5)
         });
