@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::claim::{Seed, Verdict};
-use crate::domain::{Directions, Disk, Interval, Parallelogram};
+use crate::domain::{Directions, Disk, Interval, Parallelogram, Triangle};
 
 fn polar(r: f64, turn: f64) -> [f64; 2] {
     let (sin, cos) = (2.0 * PI * turn).sin_cos();
@@ -160,4 +160,31 @@ fn the_planted_defect_has_the_size_asked_for() {
     }
     let rms = (histogram.iter().map(|share: &f64| (share - 1.0).powi(2)).sum::<f64>() / 10.0).sqrt();
     assert!((rms - 0.02).abs() < 2e-5, "{rms}"); // counts of 10⁶ even points are off by at most 1 of 10⁵ a cell
+}
+
+#[test]
+#[expect(clippy::cast_possible_truncation, reason = "single precision is what the test is about")]
+fn samplers_in_single_precision_hold() {
+    // A triangle of size 1 a hundred units away: vertices, edges and sums rounded to 24 bits.
+    let vertices = [[100.0f32, -70.3, 40.1], [101.1, -70.0, 40.2], [100.3, -69.2, 40.9]];
+    let triangle = Triangle::new(vertices.map(|v| v.map(f64::from))).expect("not degenerate");
+    let point = move |[u, v]: [f64; 2]| {
+        let (root, v) = ((u as f32).sqrt(), v as f32);
+        let [a, b, c] = vertices;
+        let weights = [1.0 - root, root * (1.0 - v), root * v];
+        Some([0, 1, 2].map(|i| f64::from(weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i])))
+    };
+    ChiSquare::on(triangle).samples(point).bound(0.02).run(Seed::from_env()).assert_holds();
+    let direction = |[u, v]: [f64; 2]| {
+        let (sin, cos) = (std::f32::consts::TAU * v as f32).sin_cos();
+        let (ring, z) = ((u as f32).sqrt(), (1.0 - u as f32).max(0.0).sqrt());
+        Some([ring * cos, ring * sin, z].map(f64::from))
+    };
+    let cosine = |[_, _, z]: [f64; 3]| f64::from(z as f32 * std::f32::consts::FRAC_1_PI);
+    ChiSquare::on(Directions::hemisphere())
+        .density(cosine)
+        .samples(direction)
+        .bound(0.02)
+        .run(Seed::from_env())
+        .assert_holds();
 }

@@ -10,8 +10,8 @@ pub struct Parallelogram<const N: usize> {
     /// Vectors whose dot products with p − o are x and y.
     dual: [[f64; N]; 2],
     area: f64,
-    /// Distance from the plane that counts as rounding.
-    thickness: f64,
+    /// Distance that counts as rounding: points far from the coordinates' origin have fewer digits left.
+    rounding: f64,
 }
 
 impl<const N: usize> Parallelogram<N> {
@@ -28,8 +28,13 @@ impl<const N: usize> Parallelogram<N> {
         }
         let combine = |s: f64, t: f64| std::array::from_fn(|i| (s * a[i] + t * b[i]) / square);
         let dual = [combine(bb, -ab), combine(-ab, aa)];
-        let thickness = EDGE_ROUNDING * (dot(origin, origin).sqrt() + aa.sqrt() + bb.sqrt());
-        Ok(Self { origin, edges, dual, area: square.sqrt(), thickness })
+        let rounding = EDGE_ROUNDING * (dot(origin, origin).sqrt() + aa.sqrt() + bb.sqrt());
+        Ok(Self { origin, edges, dual, area: square.sqrt(), rounding })
+    }
+
+    /// By how much x and y may miss [0, 1]: what the rounding of a point makes of them.
+    pub(super) fn slack(&self) -> [f64; 2] {
+        self.dual.map(|dual| self.rounding * dot(dual, dual).sqrt())
     }
 
     /// x and y of a point, in the parallelogram or not; `None` if it is off the plane.
@@ -40,7 +45,7 @@ impl<const N: usize> Parallelogram<N> {
             return Some([x, y]);
         }
         let off_plane = minus(point, self.point([x, y]));
-        (dot(off_plane, off_plane) <= self.thickness * self.thickness).then_some([x, y])
+        (dot(off_plane, off_plane) <= self.rounding * self.rounding).then_some([x, y])
     }
 }
 
@@ -48,7 +53,7 @@ impl Parallelogram<2> {
     /// The square [0, 1)².
     pub fn unit_square() -> Self {
         let edges = [[1.0, 0.0], [0.0, 1.0]];
-        Self { origin: [0.0; 2], edges, dual: edges, area: 1.0, thickness: EDGE_ROUNDING }
+        Self { origin: [0.0; 2], edges, dual: edges, area: 1.0, rounding: EDGE_ROUNDING }
     }
 
     /// The rectangle between two corners, its sides along the axes.
@@ -65,7 +70,8 @@ impl<const N: usize> Domain for Parallelogram<N> {
 
     fn to_square(&self, point: [f64; N]) -> Option<[f64; 2]> {
         let [x, y] = self.plane_coordinates(point)?;
-        Some([inside(x, EDGE_ROUNDING)?, inside(y, EDGE_ROUNDING)?])
+        let [slack_x, slack_y] = self.slack();
+        Some([inside(x, slack_x)?, inside(y, slack_y)?])
     }
 
     fn point(&self, [x, y]: [f64; 2]) -> [f64; N] {

@@ -1,4 +1,4 @@
-use super::{BELOW_ONE, Domain, EDGE_ROUNDING, Parallelogram, inside};
+use super::{BELOW_ONE, Domain, Parallelogram, inside};
 use crate::error::InputError;
 
 /// Points of a triangle in two or three dimensions; its measure is area.
@@ -26,9 +26,10 @@ impl<const N: usize> Domain for Triangle<N> {
     /// the strip between s and s + ds has area proportional to s ds, and the place along that strip, c/s.
     fn to_square(&self, point: [f64; N]) -> Option<[f64; 2]> {
         let [b, c] = self.frame.plane_coordinates(point)?;
-        let (b, c) = (inside(b, EDGE_ROUNDING)?, inside(c, EDGE_ROUNDING)?);
+        let [slack_b, slack_c] = self.frame.slack();
+        let (b, c) = (inside(b, slack_b)?, inside(c, slack_c)?);
         let s = b + c;
-        let strip = inside(s * s, 2.0 * EDGE_ROUNDING)?;
+        let strip = inside(s * s, 2.0 * (slack_b + slack_c))?;
         Some([strip, if s > 0.0 { (c / s).min(BELOW_ONE) } else { 0.0 }])
     }
 
