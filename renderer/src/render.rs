@@ -1,5 +1,7 @@
 //! Rank 9: a scene, an integrator and a sampler become an image, tile by tile on all cores.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
 use crate::error::ParamError;
@@ -25,7 +27,8 @@ pub struct RenderSettings {
     pub replicates: u32,
     /// Seed of every number.
     pub seed: u64,
-    /// Threads; 0 for one a core. The result is the same for any.
+    /// Threads of its own; 0 to work in the pool that it is called from, by default one thread a core. The result
+    /// is the same for any.
     pub threads: usize,
 }
 
@@ -93,26 +96,27 @@ pub fn render_with<I: Integrator, S: Sampler>(
             return Err(ParamError::OutOfRange { name, value: 0.0, accepted: "a number of at least 1" });
         }
     }
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|_| {
-        let value = settings.threads as f64;
-        ParamError::OutOfRange {
-            name: "the number of threads",
-            value,
-            accepted: "a number that the system can start",
-        }
-    })?;
     let tiles = tiles(scene.film.width, scene.film.height);
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    let finished: Vec<TileResult> = threads.install(|| {
+    let done = AtomicUsize::new(0);
+    let work = || -> Vec<TileResult> {
         let tile = |tile: &Tile| {
             let result = render_tile(scene, integrator, sampler, settings, tile);
-            let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(done as f64 / tiles.len() as f64);
             result
         };
         tiles.par_iter().map(tile).collect()
-    });
+    };
+    let finished = if settings.threads == 0 { work() } else { pool(settings.threads)?.install(work) };
     Ok(assemble(scene, settings, &tiles, &finished))
+}
+
+fn pool(threads: usize) -> Result<rayon::ThreadPool, ParamError> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|_| ParamError::OutOfRange {
+        name: "the number of threads",
+        value: threads as f64,
+        accepted: "a number that the system can start",
+    })
 }
 
 /// A rectangle of pixels: columns and rows from–to.

@@ -9,3 +9,6 @@ pub const DISTRIBUTION: f64 = 0.01;
 ///
 /// Right functions never do; 76,000 points without a miss settle it.
 pub const MISSES: f64 = 1e-4;
+
+/// Largest relative error of an irradiance against its closed form.
+pub const IRRADIANCE: f64 = 0.002;

@@ -10,4 +10,5 @@ pub mod figures;
 pub mod page;
 pub mod report;
 pub mod runner;
+pub mod setup;
 pub mod wrong;

@@ -2,6 +2,7 @@
 
 use verify::claim::Claim;
 
+mod irradiance;
 mod pointwise;
 mod warp;
 
@@ -30,7 +31,7 @@ pub const GROUPS: [&str; 19] = [
 
 /// Every claim, by group.
 pub fn all() -> Vec<Claim> {
-    [warp::claims()].into_iter().flatten().collect()
+    [warp::claims(), irradiance::claims()].into_iter().flatten().collect()
 }
 
 #[cfg(test)]

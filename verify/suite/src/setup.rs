@@ -1,0 +1,133 @@
+//! Scenes that claims build in code, and what one pixel sees of them.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
+use renderer::film::{FilmSettings, Filter, Reconstruction};
+use renderer::integrator::PathTracer;
+use renderer::materials::Material;
+use renderer::math::Rgb;
+use renderer::math::transform::Motion;
+use renderer::render::{RenderSettings, Rendering, render};
+use renderer::sampling::SamplerKind;
+use renderer::scene::{IntegratorSettings, ObjectSettings, SamplerSettings, Scene, SceneDescription};
+use renderer::shapes::ShapeSettings;
+use renderer::texture::Texture;
+use verify::error::InputError;
+
+/// An error of the renderer as a reason why a claim cannot run.
+pub fn subject(error: impl std::fmt::Display) -> InputError {
+    InputError::Subject(error.to_string())
+}
+
+/// A motion that stays where `to_world` puts it.
+///
+/// # Panics
+/// If the transform is not finite or singular: the transforms of claims are neither.
+pub fn fixed(to_world: DAffine3) -> Motion {
+    Motion::fixed(to_world).expect("transforms of claims are finite and invertible")
+}
+
+/// A diffuse material of the same `albedo` in each channel.
+///
+/// # Panics
+/// If `albedo` is not in [0, 1].
+pub fn diffuse(albedo: f32) -> Arc<Material> {
+    let reflectance = Texture::Constant(Rgb::splat(albedo));
+    Arc::new(Material::new_diffuse(reflectance).expect("albedos of claims are in [0, 1]"))
+}
+
+/// A black shape that emits the radiance 1 on the side of its normal.
+pub fn lamp(shape: ShapeSettings, to_world: DAffine3) -> ObjectSettings {
+    ObjectSettings { radiance: Rgb::WHITE, ..thing(shape, to_world, diffuse(0.0)) }
+}
+
+/// A shape that does not emit.
+pub fn thing(shape: ShapeSettings, to_world: DAffine3, material: Arc<Material>) -> ObjectSettings {
+    ObjectSettings {
+        name: "object of a claim".into(),
+        shape,
+        to_world: fixed(to_world),
+        flip_normals: false,
+        material,
+        radiance: Rgb::BLACK,
+    }
+}
+
+/// The transform that looks from `from` to `to`, as Mitsuba's `lookat`: +z towards `to`, +x to the left.
+pub fn look(from: DVec3, to: DVec3, up: DVec3) -> DAffine3 {
+    let z = (to - from).normalize();
+    let x = up.cross(z).normalize();
+    DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z), translation: from }
+}
+
+/// The canonical rectangle [−1, 1]² with its middle at `centre`, its sides along `side` and `other` (half lengths
+/// included), its normal along their cross product.
+pub fn rectangle_at(centre: DVec3, side: DVec3, other: DVec3) -> DAffine3 {
+    let normal = side.cross(other).normalize();
+    DAffine3 { matrix3: DMat3::from_cols(side, other, normal), translation: centre }
+}
+
+/// A scene of `objects` seen by a pinhole at `eye` that has one pixel, so narrow that it sees one point: `target`.
+pub fn spot(
+    eye: DVec3,
+    target: DVec3,
+    objects: Vec<ObjectSettings>,
+    integrator: IntegratorSettings,
+) -> SceneDescription {
+    let view = (target - eye).normalize();
+    let up = if view.y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
+    let projection =
+        Projection::Perspective { fov: 1e-3, axis: FovAxis::X, lens_radius: 0.0, focus_distance: 1.0 };
+    SceneDescription {
+        camera: CameraSettings { projection, to_world: fixed(look(eye, target, up)), shutter: Shutter::INSTANT },
+        film: FilmSettings {
+            width: 1,
+            height: 1,
+            filter: Filter::PIXEL,
+            reconstruction: Reconstruction::Importance,
+        },
+        sampler: SamplerSettings { kind: SamplerKind::Sobol, spp: 1, seed: 0 },
+        integrator,
+        objects,
+        lights: Vec::new(),
+        hash: 0,
+    }
+}
+
+/// A white diffuse receiver at the origin with its normal along +z, lit by `lamps`, and an eye close to it: its
+/// radiance times π is the irradiance at the origin.
+///
+/// The eye is 5 mm from the receiver, so that no lamp farther away comes between them; the spot that it sees is
+/// 1e-7 wide, over which the irradiance of a lamp 0.05 away varies by less than 1e-10 relative (the second order).
+pub fn receiver(lamps: Vec<ObjectSettings>) -> SceneDescription {
+    let plate = DAffine3::from_scale(DVec3::new(0.01, 0.01, 1.0));
+    let mut objects = vec![thing(ShapeSettings::Rectangle, plate, diffuse(1.0))];
+    objects.extend(lamps);
+    spot(DVec3::new(0.003, 0.002, 0.004), DVec3::ZERO, objects, IntegratorSettings::DIRECT)
+}
+
+/// One replicate's image of `scene`: `samples` a pixel, at least 1, from `seed`.
+pub fn image(scene: &Scene, kind: SamplerKind, samples: u32, seed: u64) -> Rendering {
+    let settings = RenderSettings { sampler: kind, samples, replicates: 1, seed, threads: 0 };
+    render(scene, &PathTracer { settings: scene.integrator }, &settings, &|_| ())
+        .expect("one replicate, at least one sample, and the threads at hand")
+}
+
+/// The mean over all pixels and channels of an image.
+pub fn mean(image: &Rendering) -> f64 {
+    let sum: f64 = image.pixels.iter().flat_map(|p| p.mean).sum();
+    sum / (3.0 * image.pixels.len() as f64)
+}
+
+/// The mean over all pixels and channels of one replicate's image of `scene`.
+pub fn radiance(scene: &Scene, samples: u32, seed: u64) -> f64 {
+    mean(&image(scene, SamplerKind::Sobol, samples, seed))
+}
+
+/// The irradiance [W m⁻²] at the receiver of `scene`, which [`receiver`] made.
+pub fn irradiance(scene: &Scene, samples: u32, seed: u64) -> f64 {
+    PI * radiance(scene, samples, seed)
+}
