@@ -41,6 +41,28 @@ pub enum CliError {
         /// The first of them and its reason.
         first: String,
     },
+    /// An image could not be read.
+    #[error(transparent)]
+    Image(#[from] renderer::Error),
+    /// What belongs to an image contradicts it.
+    #[error("{}: {message}", path.display())]
+    Sidecar {
+        /// The file beside the image.
+        path: PathBuf,
+        /// The contradiction, and what is accepted.
+        message: String,
+    },
+    /// Arguments that are not what the command takes.
+    #[error("{0}")]
+    Arguments(String),
+    /// A test could not be carried out.
+    #[error("{subject}: {reason}")]
+    Test {
+        /// Of what.
+        subject: String,
+        /// Why.
+        reason: verify::error::InputError,
+    },
     /// Standard output failed.
     #[error("standard output: {0}")]
     Output(std::io::Error),

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+mod compare;
 mod error;
 mod output;
 mod page;
@@ -27,6 +28,7 @@ const EXAMPLES: &str = "Without a command, lightproof runs `verify`.
 Examples:
   lightproof                                  run all claims at the quick level
   lightproof verify --only 'warp/*'           run the claims about warps
+  lightproof compare ours.exr theirs.exr      are these the same image?
   lightproof page report.json -o page.html    make the page again from its data
 
 Status: 0 everything holds; 1 something fails or is undecided; 2 it could not run.";
@@ -44,6 +46,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Verify(verify::Args),
+    Compare(compare::Args),
     Page(page::Args),
 }
 
@@ -52,6 +55,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command.unwrap_or(Command::Verify(cli.verify)) {
         Command::Verify(args) => verify::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Page(args) => page::run(&args),
     };
     match result {

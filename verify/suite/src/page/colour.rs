@@ -1,14 +1,14 @@
 //! Two colour scales that people with any colour vision can read, in light and in dark surroundings.
 
 /// Red, green and blue, 0 to 255.
-pub(super) type Colour = [u8; 3];
+pub(crate) type Colour = [u8; 3];
 
 /// Dark blue over green to yellow: evenly spaced in lightness. For counts.
 pub(super) const SEQUENTIAL: &[Colour] =
     &[[38, 24, 74], [49, 74, 128], [36, 122, 134], [52, 168, 112], [150, 206, 70], [250, 230, 60]];
 
 /// Blue over light grey to red: for residuals, zero in the middle.
-pub(super) const DIVERGING: &[Colour] = &[
+pub(crate) const DIVERGING: &[Colour] = &[
     [20, 70, 150],
     [86, 148, 204],
     [184, 212, 232],
@@ -24,7 +24,7 @@ const STEPS: f32 = 63.0;
 /// The colour at a place of the scale.
 ///
 /// * `at`: 0 to 1; what lies outside takes the colour of the nearer end.
-pub(super) fn at(scale: &[Colour], at: f32) -> Colour {
+pub(crate) fn at(scale: &[Colour], at: f32) -> Colour {
     let place = (at.clamp(0.0, 1.0) * STEPS).round() / STEPS;
     #[expect(clippy::cast_precision_loss, reason = "a scale has fewer than ten colours")]
     let along = place * (scale.len() - 1) as f32;

@@ -77,10 +77,11 @@ fn residual(observed: f32, expected: f32) -> f32 {
 }
 
 fn map(cells: &Cells<'_>, name: &str, colours: &[Colour]) -> Markup {
-    let [columns, rows] = cells.shape;
+    let columns = cells.shape[0];
+    let upwards: Vec<Colour> = colours.chunks(columns).rev().flatten().copied().collect();
     html! {
         figure {
-            img.map src=(data_uri(&png(columns, rows, colours))) alt=(format!("{name} counts over {} and {}", cells.axes[0], cells.axes[1]));
+            img.map src=(data_uri(&png(columns, &upwards))) alt=(format!("{name} counts over {} and {}", cells.axes[0], cells.axes[1]));
             figcaption { (name) }
         }
     }
@@ -90,14 +91,19 @@ fn scale(colours: &[Colour], from: &str, to: &str) -> Markup {
     html! { div.scale { span { (from) } span.bar style=(colour::css_gradient(colours)) {} span { (to) } } }
 }
 
-/// The bytes of a PNG file with one pixel a cell; the first row of cells at the bottom.
-fn png(columns: usize, rows: usize, colours: &[Colour]) -> Vec<u8> {
-    let pixels: Vec<u8> = colours.chunks(columns).rev().flatten().flatten().copied().collect();
+/// The bytes of a PNG file.
+///
+/// * `colours`: rows of `columns` pixels, from the top.
+///
+/// # Panics
+/// If the last row is not full.
+pub(crate) fn png(columns: usize, colours: &[Colour]) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
-    let [width, height] = [columns, rows].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+    let [width, height] =
+        [columns, colours.len() / columns.max(1)].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
     PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::NoFilter)
-        .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
-        .expect("three bytes a cell, written to memory");
+        .write_image(colours.as_flattened(), width, height, ExtendedColorType::Rgb8)
+        .expect("whole rows, written to memory");
     file.into_inner()
 }
 
@@ -112,10 +118,13 @@ mod tests {
 
     #[test]
     fn the_first_row_is_at_the_bottom() {
-        let file = png(1, 2, &[[1, 2, 3], [4, 5, 6]]);
-        let image = image::load_from_memory(&file).expect("a PNG file").to_rgb8();
-        assert_eq!(image.get_pixel(0, 1).0, [1, 2, 3]);
-        assert_eq!(image.get_pixel(0, 0).0, [4, 5, 6]);
+        let cells = Cells { shape: [1, 2], axes: ["x", "y"], observed: &[1.0; 2], expected: &[1.0; 2] };
+        let markup = map(&cells, "observed", &[[1, 2, 3], [4, 5, 6]]).into_string();
+        let text =
+            markup.split_once("base64,").and_then(|(_, rest)| rest.split_once('"')).expect("a picture").0;
+        let image =
+            image::load_from_memory(&STANDARD.decode(text).expect("base64")).expect("a PNG file").to_rgb8();
+        assert_eq!([image.get_pixel(0, 0).0, image.get_pixel(0, 1).0], [[4, 5, 6], [1, 2, 3]]);
     }
 
     #[test]

@@ -7,12 +7,12 @@ use crate::report::Report;
 
 mod chart;
 mod claim;
-mod colour;
+pub(crate) mod colour;
 mod convergence;
 mod curve;
 mod gallery;
 mod groups;
-mod heat;
+pub(crate) mod heat;
 
 const STYLE: &str = include_str!("style.css");
 

@@ -1,0 +1,156 @@
+//! One side of a comparison: an image with its errors, from one file or from one file a seed.
+
+use std::path::{Path, PathBuf};
+
+use renderer::io::exr;
+use serde::Deserialize;
+use verify::error::InputError;
+use verify::image::{Image, TILE};
+
+use crate::cli::CliError;
+
+/// Name of the text that holds the number of replicates in files of other programs.
+const REPLICATES: &str = "lightproof.replicates";
+
+/// By how much a tile's mean over seeds may differ from its pixels' sum, relative: pixels are single precision, each off by 2⁻²⁴ at most.
+const ROUNDING: f64 = 1e-6;
+
+/// Images and what is known of their errors.
+pub(super) struct Side {
+    /// As the comparison takes it.
+    pub(super) image: Image,
+    /// Pixels in a row.
+    pub(super) width: usize,
+    /// Mean of each pixel over channels and files, row by row.
+    pub(super) grey: Vec<f64>,
+}
+
+/// What a JSON file beside an image says; further members are not looked at.
+#[derive(Deserialize)]
+struct Sidecar {
+    tile: usize,
+    /// Seeds, rows of tiles, columns, channels.
+    tile_sums: Vec<Vec<Vec<[f64; 3]>>>,
+}
+
+impl Side {
+    /// Reads the files of one side; there is at least one.
+    pub(super) fn read(paths: &[PathBuf]) -> Result<Self, CliError> {
+        let files = paths.iter().map(|path| exr::read(path)).collect::<Result<Vec<_>, _>>()?;
+        let (first, path) = (&files[0], &paths[0]);
+        let refused =
+            |path: &Path, reason: InputError| CliError::Test { subject: path.display().to_string(), reason };
+        if let Some((other, path)) =
+            files.iter().zip(paths).find(|(f, _)| (f.width, f.height) != (first.width, first.height))
+        {
+            return Err(CliError::Arguments(format!(
+                "{} has {}×{} pixels; {}×{} as in {} are accepted",
+                path.display(),
+                other.width,
+                other.height,
+                first.width,
+                first.height,
+                paths[0].display()
+            )));
+        }
+        let size = [first.width, first.height];
+        let values: Vec<Vec<f64>> = files
+            .iter()
+            .map(|file| file.rgb.as_flattened().iter().map(|&v| f64::from(v)).collect())
+            .collect();
+        let image = if let [values] = values.as_slice() {
+            single(path, first, values)?
+        } else {
+            Image::from_seeds(size, 3, &values).map_err(|reason| refused(path, reason))?
+        };
+        let count = 3.0 * f64::from(u32::try_from(files.len()).unwrap_or(u32::MAX));
+        let grey = |pixel: usize| {
+            values.iter().map(|file| file[3 * pixel..3 * pixel + 3].iter().sum::<f64>()).sum::<f64>() / count
+        };
+        Ok(Self { image, width: first.width, grey: (0..first.rgb.len()).map(grey).collect() })
+    }
+}
+
+/// An image from one file: errors from its own channels, and from the sums of its seeds where they lie beside it.
+fn single(path: &Path, file: &renderer::io::Image, values: &[f64]) -> Result<Image, CliError> {
+    let refused = |reason| CliError::Test { subject: path.display().to_string(), reason };
+    let errors: Vec<f64> = file.stderr.iter().flatten().flatten().map(|&v| f64::from(v)).collect();
+    let replicates = if errors.is_empty() { 1 } else { replicates(path, file)? };
+    let size = [file.width, file.height];
+    let image = Image::with_errors(size, 3, values.to_vec(), &errors, replicates).map_err(refused)?;
+    let share = file.metadata.provenance.as_ref().map_or(0.0, |provenance| provenance.largest_share);
+    let image = image.with_largest_share(share);
+    match seed_tiles(&path.with_extension("json"), size, values)? {
+        Some(sums) => image.with_seed_tiles(sums).map_err(refused),
+        None => Ok(image),
+    }
+}
+
+/// The number of replicates that a file with standard errors says it has.
+fn replicates(path: &Path, file: &renderer::io::Image) -> Result<u64, CliError> {
+    if let Some(provenance) = &file.metadata.provenance {
+        return Ok(u64::from(provenance.replicates));
+    }
+    let text = file.metadata.texts.get(REPLICATES);
+    text.and_then(|text| text.trim().parse().ok()).ok_or_else(|| {
+        let found = text.map_or(String::from("missing"), |text| format!("{text:?}"));
+        CliError::Arguments(format!(
+            "{}: it has standard errors, but its attribute {REPLICATES} is {found}; the number of independent replicates is accepted",
+            path.display()
+        ))
+    })
+}
+
+/// Sums over tiles of each seed, from the JSON file beside an image; none where there is no such file, or it has none.
+fn seed_tiles(path: &Path, size: [usize; 2], values: &[f64]) -> Result<Option<Vec<Vec<f64>>>, CliError> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let contradiction = |message: String| CliError::Sidecar { path: path.to_owned(), message };
+    let value: serde_json::Value =
+        serde_json::from_str(&text).map_err(|error| contradiction(error.to_string()))?;
+    if value.get("tile_sums").is_none() {
+        return Ok(None);
+    }
+    let sidecar: Sidecar = serde_json::from_value(value).map_err(|error| contradiction(error.to_string()))?;
+    if sidecar.tile != TILE {
+        return Err(contradiction(format!("tile is {}; {TILE} is accepted", sidecar.tile)));
+    }
+    let columns = size[0].div_ceil(TILE);
+    let pixels = tile_sums(size, values);
+    for (tile, expected) in pixels.chunks(3).enumerate() {
+        let (row, column) = (tile / columns, tile % columns);
+        let Some(means) = mean_over_seeds(&sidecar, row, column) else {
+            return Err(contradiction(format!(
+                "tile_sums has no tile in row {row}, column {column} of every seed"
+            )));
+        };
+        if means.iter().zip(expected).any(|(a, b)| (a - b).abs() > ROUNDING * b.abs().max(f64::MIN_POSITIVE))
+        {
+            return Err(contradiction(format!(
+                "the tile in row {row}, column {column} has the mean {means:?} over seeds, but {expected:?} in the image; sums of the same image are accepted"
+            )));
+        }
+    }
+    let flat = |seed: Vec<Vec<[f64; 3]>>| seed.into_iter().flatten().flatten().collect();
+    Ok(Some(sidecar.tile_sums.into_iter().map(flat).collect()))
+}
+
+/// Sums over tiles in rows, channels together.
+fn tile_sums([width, height]: [usize; 2], values: &[f64]) -> Vec<f64> {
+    let columns = width.div_ceil(TILE);
+    let mut sums = vec![0.0; 3 * columns * height.div_ceil(TILE)];
+    for (i, value) in values.iter().enumerate() {
+        let (x, y) = (i / 3 % width, i / 3 / width);
+        sums[3 * (y / TILE * columns + x / TILE) + i % 3] += value;
+    }
+    sums
+}
+
+fn mean_over_seeds(sidecar: &Sidecar, row: usize, column: usize) -> Option<[f64; 3]> {
+    let seeds = f64::from(u32::try_from(sidecar.tile_sums.len()).ok().filter(|&n| n > 0)?);
+    let mut sum = [0.0; 3];
+    for seed in &sidecar.tile_sums {
+        let tile = seed.get(row)?.get(column)?;
+        sum.iter_mut().zip(tile).for_each(|(sum, value)| *sum += value);
+    }
+    Some(sum.map(|v| v / seeds))
+}

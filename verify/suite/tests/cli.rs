@@ -1,0 +1,202 @@
+//! The program as its users meet it: what it prints, writes and returns.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use renderer::io::{Image, exr};
+
+/// Runs the program in a fresh folder of that name.
+fn lightproof(folder: &str, arguments: &[&str]) -> (Output, PathBuf) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
+    std::fs::create_dir_all(&folder).expect("the folder for tests can be written");
+    let output = Command::new(env!("CARGO_BIN_EXE_lightproof"))
+        .args(arguments)
+        .current_dir(&folder)
+        .env_remove("VERIFY_SEED")
+        .env_remove("VERIFY_LEVEL")
+        .output()
+        .expect("the program starts");
+    (output, folder)
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Asserts status 2 and a single message that has all the parts.
+fn assert_refused(output: &Output, parts: &[&str]) {
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.starts_with("error: ") && message.trim_end().lines().count() == 1, "{message}");
+    parts.iter().for_each(|part| assert!(message.contains(part), "{part} is missing in: {message}"));
+}
+
+#[test]
+fn every_command_has_help_with_examples() {
+    for command in [&[][..], &["verify"], &["compare"], &["page"]] {
+        let (output, _) = lightproof("help", &[command, &["--help"]].concat());
+        assert!(output.status.success());
+        assert!(text(&output.stdout).contains("Example"), "{command:?}");
+    }
+}
+
+#[test]
+fn claims_are_listed_and_chosen_by_patterns_that_cross_slashes() {
+    let (all, _) = lightproof("list", &["verify", "--list"]);
+    let (some, _) =
+        lightproof("list", &["verify", "--list", "--only", "warp*inverse", "--only", "warp/disk/pdf"]);
+    let names = |output: &Output| -> Vec<String> {
+        text(&output.stdout)
+            .lines()
+            .filter_map(|line| Some(line.split_whitespace().next()?.to_owned()))
+            .collect()
+    };
+    let expected: Vec<String> = names(&all)
+        .into_iter()
+        .filter(|name| name.starts_with("warp") && name.ends_with("inverse") || name == "warp/disk/pdf")
+        .collect();
+    assert_eq!(names(&some), expected);
+    assert!(expected.len() > 2);
+}
+
+#[test]
+fn an_unknown_claim_is_refused_with_the_nearest_names() {
+    let (output, _) = lightproof("unknown", &["verify", "--only", "warp/dsk/pfd"]);
+    assert_refused(&output, &["warp/dsk/pfd", "warp/disk/pdf"]);
+}
+
+#[test]
+fn json_stands_alone_on_standard_output_and_the_page_is_made_again_from_it() {
+    let (output, folder) =
+        lightproof("json", &["--only", "warp/tent/*", "--json", "-", "--report", "out", "--seed", "3"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("3 claims"));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON alone");
+    for member in ["schema", "lightproof", "seed", "level", "seconds", "machine", "claims"] {
+        assert!(report.get(member).is_some(), "{member}");
+    }
+    assert_eq!(
+        (&report["schema"], &report["seed"], &report["level"]),
+        (&1.into(), &3.into(), &"quick".into())
+    );
+    let members = [
+        "id",
+        "says",
+        "method",
+        "n",
+        "statistic",
+        "dof",
+        "p_value",
+        "estimate",
+        "interval",
+        "bound",
+        "verdict",
+        "resolves",
+        "controls",
+        "seconds",
+        "command",
+    ];
+    let claims = report["claims"].as_array().expect("a list");
+    assert_eq!(claims.len(), 3);
+    for claim in claims {
+        members.iter().for_each(|member| assert!(claim.get(member).is_some(), "{member}"));
+        let controls = claim["controls"].as_array().expect("a list");
+        assert!(!controls.is_empty() && controls.iter().all(|control| control["rejected"] == true));
+    }
+    let (again, _) = lightproof("json", &["page", "out/report.json", "-o", "again.html"]);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+    let pages =
+        ["out/index.html", "again.html"].map(|name| std::fs::read(folder.join(name)).expect("a page"));
+    assert!(pages[0] == pages[1], "the page differs when it is made again");
+    assert!(
+        !text(&pages[0]).contains("http://") && !text(&pages[0]).contains("https://"),
+        "the page needs no network"
+    );
+}
+
+#[test]
+fn what_is_found_does_not_depend_on_threads() {
+    let found = |threads: &str| {
+        let arguments = ["--only", "warp/t*/*", "--json", "-", "--threads", threads];
+        let (output, _) = lightproof(&format!("threads{threads}"), &arguments);
+        let mut report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON alone");
+        for claim in report["claims"].as_array_mut().expect("a list") {
+            claim["seconds"] = 0.into();
+        }
+        report["claims"].clone()
+    };
+    assert_eq!(found("1"), found("3"));
+}
+
+#[test]
+fn files_that_are_no_reports_are_refused() {
+    let (output, folder) = lightproof("reports", &["page", "missing.json"]);
+    assert_refused(&output, &["missing.json"]);
+    std::fs::write(folder.join("bad.json"), "{\"schema\": 1,\n oops}").expect("writes");
+    assert_refused(&lightproof("reports", &["page", "bad.json"]).0, &["bad.json", "line 2"]);
+    std::fs::write(folder.join("later.json"), "{\"schema\": 2}").expect("writes");
+    assert_refused(&lightproof("reports", &["page", "later.json"]).0, &["schema is 2", "1 is accepted"]);
+    std::fs::write(folder.join("file"), "").expect("writes");
+    let into_file = ["--only", "warp/tent/pdf", "--report", "file/below"];
+    assert_refused(&lightproof("reports", &into_file).0, &["file/below"]);
+}
+
+/// Writes four images with independent errors about a mean.
+fn write_seeds(folder: &Path, name: &str, mean: f32) {
+    for seed in 0..4u32 {
+        let noise = |i: u32| {
+            let mut u = [0.0; 2];
+            verify::points::fill(u64::from(seed) + u64::from(mean.to_bits()), u64::from(i), &mut u);
+            mean * if u[0] < 0.5 { 0.9 } else { 1.1 }
+        };
+        let rgb = (0..64 * 48).map(|i| [noise(3 * i), noise(3 * i + 1), noise(3 * i + 2)]).collect();
+        exr::write(&folder.join(format!("{name}{seed}.exr")), &Image::new(64, 48, rgb)).expect("writes");
+    }
+}
+
+#[test]
+fn images_from_seeds_are_told_apart_when_they_differ() {
+    let (_, folder) = lightproof("compare", &["--help"]);
+    [("a", 1.0), ("b", 1.000_001), ("c", 1.02)]
+        .iter()
+        .for_each(|(name, mean)| write_seeds(&folder, name, *mean));
+    let compare = |b: char, options: &[&str]| {
+        let names: Vec<String> = (0..4).map(|i| format!("a{i}.exr")).collect();
+        let others: Vec<String> = (0..4).map(|i| format!("{b}{i}.exr")).collect();
+        let mut arguments = vec!["compare"];
+        arguments.extend(options);
+        arguments.extend(names.iter().map(String::as_str));
+        arguments.push("--");
+        arguments.extend(others.iter().map(String::as_str));
+        lightproof("compare", &arguments).0
+    };
+    // 12,288 values of standard deviation 10 % a file: the mean of four files is known to 0.05 %, far below the bound of 1 %.
+    let same = compare('b', &["--json", "-", "--heatmap", "map.png", "--max-bias", "1"]);
+    let result: serde_json::Value = serde_json::from_slice(&same.stdout).expect("JSON alone");
+    assert_eq!((same.status.code(), &result["verdict"]), (Some(0), &"holds".into()), "{result}");
+    assert_eq!((&result["schema"], &result["error_known"]), (&1.into(), &true.into()));
+    assert!(std::fs::read(folder.join("map.png")).expect("a picture").starts_with(b"\x89PNG"));
+    let different = compare('c', &["--max-bias", "1"]);
+    assert_eq!(different.status.code(), Some(1), "{}", text(&different.stdout));
+    let (one, _) = lightproof("compare", &["compare", "a0.exr", "b0.exr"]);
+    assert!(one.status.code() == Some(1) && text(&one.stdout).contains("errors are unknown"));
+}
+
+#[test]
+fn images_that_cannot_be_compared_are_refused() {
+    let (_, folder) = lightproof("refused", &["--help"]);
+    write_seeds(&folder, "a", 1.0);
+    exr::write(&folder.join("small.exr"), &Image::new(1, 1, vec![[1.0; 3]])).expect("writes");
+    assert_refused(&lightproof("refused", &["compare", "a0.exr"]).0, &["two images"]);
+    assert_refused(&lightproof("refused", &["compare", "a0.exr", "none.exr"]).0, &["none.exr"]);
+    assert_refused(&lightproof("refused", &["compare", "a0.exr", "small.exr"]).0, &["64×48", "1×1"]);
+    assert_refused(
+        &lightproof("refused", &["compare", "a0.exr", "a1.exr", "--max-bias=-1"]).0,
+        &["bound", "-1"],
+    );
+    std::fs::write(folder.join("a1.json"), "{\"tile\": 16, \"tile_sums\": [[[[1, 2, 3]]]]}").expect("writes");
+    assert_refused(
+        &lightproof("refused", &["compare", "a0.exr", "a1.exr"]).0,
+        &["a1.json", "row 0, column 0"],
+    );
+}
