@@ -91,7 +91,7 @@ impl Group {
         self.tree.walk(&ray.clone(), &mut stack, |range| {
             for index in range {
                 let hit = match &self.items[index] {
-                    Item::Triangle(vertices) => sheared.hit(*vertices, ray.t_max).map(|h| self.hit(index, h)),
+                    Item::Triangle(vertices) => sheared.hit(vertices, ray.t_max).map(|h| self.hit(index, h)),
                     Item::Whole => self.whole(index, &ray, context),
                     Item::Moving => self.moving(index, &ray, context),
                 };

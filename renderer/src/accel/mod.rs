@@ -29,6 +29,8 @@ impl Accel {
     ///
     /// An object with a motion that rests costs what a moving one costs: place its shape and leave the motion out.
     pub fn new(objects: Vec<Object>, shutter: [f64; 2]) -> Self {
+        // Rays have f32 times, which may round to just outside.
+        let shutter = rounded_outward(shutter);
         let scene = Group::of_scene(&objects, shutter);
         let tree = |(index, o): (u32, &Object)| o.motion.is_some().then(|| Group::of_shape(index, &o.shape));
         let inner = (0u32..).zip(&objects).map(tree).collect();
@@ -69,4 +71,9 @@ impl Accel {
         let surface = object.surface(hit.element, &ShapeHit { t: hit.t, uv: hit.uv }, ray);
         Interaction { surface, wo: -ray.direction, time: ray.time, object: hit.object }
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounded to nearest, then one step outwards")]
+fn rounded_outward([open, close]: [f64; 2]) -> [f64; 2] {
+    [f64::from((open as f32).next_down()), f64::from((close as f32).next_up())]
 }

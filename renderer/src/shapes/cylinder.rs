@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::quadratic::roots;
-use super::{ShapeHit, accept, check_point, check_radius, rounded, turn, uniform_scale};
+use super::{ShapeHit, accept, check_point, check_radius, rounded_curved, turn, uniform_scale};
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
@@ -48,6 +48,16 @@ impl Cylinder {
             radius: radius * scale,
             sign: if flip { -1.0 } else { 1.0 },
         })
+    }
+
+    /// The radius.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Whether the normals point inward.
+    pub fn is_flipped(&self) -> bool {
+        self.sign < 0.0
     }
 
     /// Each end's circle reaches r·√(x² + y²) of its axes' components.
@@ -96,7 +106,8 @@ impl Cylinder {
         let [x, y, z] = self.axes;
         let outward = x * across.x + y * across.y;
         let extent = self.base.abs().max_element() + self.radius + self.length;
-        let (point, error) = rounded(self.base + z * height + outward * self.radius, extent);
+        let (point, error) =
+            rounded_curved(self.base + z * height + outward * self.radius, extent, self.radius);
         let n = (outward * self.sign).as_vec3();
         #[expect(clippy::cast_possible_truncation, reason = "texture coordinates are f32")]
         let uv = [turn(across.y, across.x), (height / self.length) as f32];

@@ -91,7 +91,7 @@ impl Mesh {
     }
 
     pub(super) fn intersect(&self, triangle: u32, ray: &Ray) -> Option<ShapeHit> {
-        ShearedRay::new(ray).hit(self.vertices(triangle), ray.t_max)
+        ShearedRay::new(ray).hit(&self.vertices(triangle), ray.t_max)
     }
 
     /// The point of a triangle with weights `v` and `w` of its second and third vertex.

@@ -246,6 +246,16 @@ fn rounded(p: DVec3, extent: f64) -> (glam::Vec3, glam::Vec3) {
     (point, half_ulp + small)
 }
 
+/// What `rounded` gives for a surface of radius of curvature `radius`, of the size `extent`.
+///
+/// A step of e along the tangent leaves such a surface by e²/2r. The rounding of the point and the one of the start of a
+/// ray from it (a whole unit in the last place) make e at most three times the length of the half units.
+#[expect(clippy::cast_possible_truncation, reason = "a bound, rounded far below its slack")]
+fn rounded_curved(p: DVec3, extent: f64, radius: f64) -> (glam::Vec3, glam::Vec3) {
+    let (point, error) = rounded(p, extent);
+    (point, error + (4.5 * error.as_dvec3().length_squared() / radius) as f32)
+}
+
 /// A distance as f32, if it rounds to a number in (0, `t_max`).
 #[expect(clippy::cast_possible_truncation, reason = "rounded first, compared after")]
 fn accept(t: f64, t_max: f32) -> Option<f32> {

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::quadratic::roots;
-use super::{ShapeHit, accept, check_point, check_radius, rounded, turn, uniform_scale};
+use super::{ShapeHit, accept, check_point, check_radius, rounded_curved, turn, uniform_scale};
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
@@ -79,7 +79,7 @@ impl Sphere {
 
     fn point_towards(&self, outward: DVec3) -> SurfacePoint {
         let extent = self.center.abs().max_element() + self.radius;
-        let (point, error) = rounded(self.center + outward * self.radius, extent);
+        let (point, error) = rounded_curved(self.center + outward * self.radius, extent, self.radius);
         let n = (outward * self.sign).as_vec3();
         let local = self.to_object * outward;
         let v = libm::atan2(local.truncate().length(), local.z) * std::f64::consts::FRAC_1_PI;

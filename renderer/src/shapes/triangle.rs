@@ -13,26 +13,31 @@ pub struct ShearedRay {
     direction: DVec3,
     /// Which components are x, y and z.
     axes: [usize; 3],
+    /// The origin's components in that order.
+    start: [f64; 3],
     shear: [f64; 3],
 }
 
 impl ShearedRay {
     /// Prepares `ray`, whose direction may have any length but zero.
     pub fn new(ray: &Ray) -> Self {
-        let direction = ray.direction.as_dvec3();
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let z = ray.direction.abs().max_position();
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
         let [dx, dy, dz] = axes.map(|a| direction[a]);
-        Self { origin: ray.origin.as_dvec3(), direction, axes, shear: [dx / dz, dy / dz, 1.0 / dz] }
+        Self { origin, direction, axes, start: axes.map(|a| origin[a]), shear: [dx / dz, dy / dz, 1.0 / dz] }
     }
 
     /// The vertex's sheared x and y, rounded to f32 once, and its distance along the ray.
+    #[inline]
     #[expect(clippy::cast_possible_truncation, reason = "the rounding makes the products below exact")]
-    fn project(&self, vertex: Vec3) -> (f64, f64, f64) {
-        let v = vertex.as_dvec3() - self.origin;
-        let [x, y, z] = self.axes.map(|a| v[a]);
-        let [sx, sy, sz] = self.shear;
-        (f64::from((x - sx * z) as f32), f64::from((y - sy * z) as f32), z * sz)
+    fn project(&self, vertex: &Vec3) -> (f64, f64, f64) {
+        let v: &[f32; 3] = vertex.as_ref();
+        let [i, j, k] = self.axes;
+        let z = f64::from(v[k]) - self.start[2];
+        let x = f64::from(v[i]) - self.start[0] - self.shear[0] * z;
+        let y = f64::from(v[j]) - self.start[1] - self.shear[1] * z;
+        (f64::from(x as f32), f64::from(y as f32), z * self.shear[2])
     }
 
     /// Distance and the weights of the second and third vertex where the ray crosses a triangle, from either side;
@@ -45,7 +50,8 @@ impl ShearedRay {
     /// # Source
     /// Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2(1). The exact products in f64 take the
     /// place of its test of near-zero edge functions.
-    pub fn intersect(&self, [p0, p1, p2]: [Vec3; 3]) -> Option<(f64, [f64; 2])> {
+    #[inline]
+    pub fn intersect(&self, [p0, p1, p2]: &[Vec3; 3]) -> Option<(f64, [f64; 2])> {
         let (ax, ay, az) = self.project(p0);
         let (bx, by, bz) = self.project(p1);
         let (cx, cy, cz) = self.project(p2);
@@ -69,7 +75,7 @@ impl ShearedRay {
 
     /// The hit of a triangle with t in (0, `t_max`).
     #[inline]
-    pub fn hit(&self, vertices: [Vec3; 3], t_max: f32) -> Option<ShapeHit> {
+    pub fn hit(&self, vertices: &[Vec3; 3], t_max: f32) -> Option<ShapeHit> {
         let (t, weights) = self.intersect(vertices)?;
         #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
         let uv = weights.map(|w| w as f32);

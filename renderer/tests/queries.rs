@@ -1,0 +1,222 @@
+//! Ray queries: the tree finds what trying every element finds, closed meshes have no gaps, boxes cover motions.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use renderer::accel::{Accel, Object};
+use renderer::math::bounds::Bounds;
+use renderer::math::transform::Motion;
+use renderer::ray::{Hit, Ray};
+use renderer::shapes::{MeshData, Shape, ShapeSettings};
+
+fn inside(rng: &mut Pcg64, size: f64) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|_| size * (2.0 * rng.random::<f64>() - 1.0)))
+}
+
+fn affine(rng: &mut Pcg64) -> DAffine3 {
+    let rotation = DQuat::from_scaled_axis(inside(rng, 3.0));
+    DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.2 + rng.random::<f64>()),
+        rotation,
+        inside(rng, 4.0),
+    )
+}
+
+fn object(rng: &mut Pcg64) -> Object {
+    let settings = match rng.random_range(0..6) {
+        0 => ShapeSettings::Rectangle,
+        1 => ShapeSettings::Disk,
+        2 => ShapeSettings::Cube,
+        3 => ShapeSettings::Sphere { center: inside(rng, 1.0), radius: 0.1 + rng.random::<f64>() },
+        4 => ShapeSettings::Cylinder {
+            p0: inside(rng, 1.0),
+            p1: inside(rng, 1.0),
+            radius: 0.1 + rng.random::<f64>(),
+        },
+        _ => ShapeSettings::Mesh(Arc::new(globe(6, |_| 1.0))),
+    };
+    let shape = Shape::new(&settings, &affine(rng), false).expect("a regular shape");
+    if rng.random() {
+        return Object::still(shape);
+    }
+    let keys = vec![(0.25, affine(rng)), (0.5, affine(rng)), (0.75, affine(rng))];
+    Object::moving(shape, Motion::keyed(keys).expect("regular keys"))
+}
+
+/// A closed mesh around the origin: `n` rings of 2n quads; `radius` gives each vertex's distance.
+fn globe(n: u32, mut radius: impl FnMut(u32) -> f64) -> MeshData {
+    let columns = 2 * n;
+    let mut mesh = MeshData::default();
+    let mut vertex = |theta: f64, phi: f64, index| {
+        let p = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()) * radius(index);
+        mesh.positions.push(p.as_vec3().to_array());
+    };
+    vertex(0.0, 0.0, 0);
+    vertex(PI, 0.0, 1);
+    for i in 1..n {
+        for j in 0..columns {
+            let index = 2 + (i - 1) * columns + j;
+            vertex(PI * f64::from(i) / f64::from(n), TAU * f64::from(j) / f64::from(columns), index);
+        }
+    }
+    let ring = |i: u32, j: u32| 2 + (i - 1) * columns + j % columns;
+    for j in 0..columns {
+        mesh.triangles.push([0, ring(1, j), ring(1, j + 1)]);
+        mesh.triangles.push([1, ring(n - 1, j + 1), ring(n - 1, j)]);
+        for i in 1..n - 1 {
+            mesh.triangles.push([ring(i, j), ring(i + 1, j), ring(i + 1, j + 1)]);
+            mesh.triangles.push([ring(i, j), ring(i + 1, j + 1), ring(i, j + 1)]);
+        }
+    }
+    mesh
+}
+
+fn every_element(objects: &[Object], ray: &Ray) -> Option<f32> {
+    let mut query = *ray;
+    for object in objects {
+        for element in 0..object.shape.element_count() {
+            if let Some(hit) = object.shape.intersect(element, &object.to_object(&query)) {
+                query.t_max = hit.t;
+            }
+        }
+    }
+    (query.t_max < ray.t_max).then_some(query.t_max)
+}
+
+fn rays(rng: &mut Pcg64, count: u32) -> Vec<Ray> {
+    let one = |i: u32| {
+        let (origin, aim) = (inside(rng, 8.0), inside(rng, 4.0));
+        let axes = [DVec3::X, DVec3::NEG_Y, DVec3::Z];
+        let direction = if i % 8 == 0 { axes[(i / 8 % 3) as usize] } else { (aim - origin).normalize() };
+        let t_max = if i % 2 == 0 { f32::INFINITY } else { 6.0 * rng.random::<f32>() };
+        Ray { t_max, ..Ray::new(origin.as_vec3(), direction.as_vec3(), rng.random()) }
+    };
+    (0..count).map(one).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_tree_finds_what_trying_every_element_finds(seed: u64, count in 0usize..20) {
+        let rng = &mut Pcg64::seed_from_u64(seed);
+        let objects: Vec<Object> = (0..count).map(|_| object(rng)).collect();
+        let accel = Accel::new(objects, [0.0, 1.0]);
+        let rays = rays(rng, 300);
+        let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+        accel.closest(&rays, &mut hits);
+        accel.occluded(&rays, &mut blocked);
+        prop_assert_eq!((hits.len(), blocked.len()), (rays.len(), rays.len()));
+        for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
+            prop_assert_eq!(hit.map(|h| h.t), every_element(accel.objects(), ray));
+            prop_assert_eq!(hit.is_some(), blocked);
+        }
+    }
+
+    #[test]
+    fn hits_lie_on_their_rays(seed: u64) {
+        let rng = &mut Pcg64::seed_from_u64(seed);
+        let accel = Accel::new((0..8).map(|_| object(rng)).collect(), [0.0, 1.0]);
+        let rays = rays(rng, 300);
+        let mut hits = Vec::new();
+        accel.closest(&rays, &mut hits);
+        for (ray, hit) in rays.iter().zip(&hits) {
+            let Some(hit) = hit else { continue };
+            let at = accel.interaction(ray, hit);
+            // Coordinates and distances are below 32, and the few roundings on the way are within 2⁻²⁴ of that,
+            // along the surface divided by the cosine at which the ray meets it.
+            let limit = 32.0 * 16.0 * f32::EPSILON / at.surface.ng.dot(at.wo).abs();
+            prop_assert!(at.surface.point.distance(ray.at(hit.t)) < limit, "{at:?}");
+        }
+    }
+
+    #[test]
+    fn swept_boxes_hold_the_body_at_every_time(seed: u64, keys in 1usize..5) {
+        let rng = &mut Pcg64::seed_from_u64(seed);
+        let mut time = -0.5;
+        let mut key = || { time += 0.05 + rng.random::<f64>(); (time, DAffine3::from_mat3_translation(affine(rng).matrix3 * glam::DMat3::from_diagonal(DVec3::new(1.0, 3.0, 0.3)), inside(rng, 4.0))) };
+        let motion = Motion::keyed((0..keys).map(|_| key()).collect()).expect("regular keys");
+        let body = Bounds::of([inside(rng, 2.0), inside(rng, 2.0)]);
+        let swept = motion.swept(&body, [0.0, 1.0]);
+        for i in 0..=1000 {
+            let map = motion.at(f64::from(i) / 1000.0);
+            prop_assert!(body.corners().iter().all(|c| swept.contains(map.transform_point3(*c))), "time {i}");
+        }
+    }
+
+    #[test]
+    fn closed_meshes_have_no_gaps(seed: u64) {
+        let rng = &mut Pcg64::seed_from_u64(seed);
+        let mesh = globe(16, |_| 1.0 + 5.0 * rng.random::<f64>());
+        let shape = Shape::new(&ShapeSettings::Mesh(Arc::new(mesh.clone())), &DAffine3::IDENTITY, false).unwrap();
+        let accel = Accel::new(vec![Object::still(shape)], [0.0, 0.0]);
+        let corner = |rng: &mut Pcg64, t: usize| mesh.triangles[t].map(|i| Vec3::from(mesh.positions[i as usize]))[rng.random_range(0..3)];
+        let mut rays = Vec::new();
+        for i in 0..500 {
+            let origin = inside(rng, 0.5).as_vec3();
+            let t = rng.random_range(0..mesh.triangles.len());
+            let (a, b) = (corner(rng, t), corner(rng, t));
+            let target = match i % 3 {
+                0 => a,
+                1 => a.lerp(b, rng.random()),
+                _ => inside(rng, 4.0).as_vec3(),
+            };
+            rays.push(Ray::new(origin, (target - origin).as_dvec3().normalize().as_vec3(), 0.0));
+        }
+        let mut hits: Vec<Option<Hit>> = Vec::new();
+        accel.closest(&rays, &mut hits);
+        for (ray, hit) in rays.iter().zip(&hits) {
+            prop_assert!(hit.is_some(), "{ray:?}");
+        }
+    }
+}
+
+#[test]
+fn a_motion_that_rests_changes_no_hit() {
+    let rng = &mut Pcg64::seed_from_u64(0);
+    let shapes: Vec<Shape> = (0..12).map(|_| object(rng).shape).collect();
+    let rest = Motion::keyed(vec![(0.0, DAffine3::IDENTITY), (1.0, DAffine3::IDENTITY)]).unwrap();
+    assert!(rest.is_static());
+    let still = Accel::new(shapes.iter().cloned().map(Object::still).collect(), [0.0, 1.0]);
+    let moving =
+        Accel::new(shapes.iter().cloned().map(|s| Object::moving(s, rest.clone())).collect(), [0.0, 1.0]);
+    let rays = rays(rng, 2000);
+    let (mut a, mut b) = (Vec::new(), Vec::new());
+    still.closest(&rays, &mut a);
+    moving.closest(&rays, &mut b);
+    assert_eq!(a, b);
+    assert!(a.iter().flatten().count() > 100);
+}
+
+#[test]
+fn motions_pass_through_their_keys_the_short_way() {
+    let turn = |angle| DAffine3::from_axis_angle(DVec3::Z, angle);
+    let shift = DAffine3::from_translation(DVec3::X);
+    let keys = vec![(1.0, turn(0.0)), (2.0, turn(1.0)), (4.0, shift)];
+    let motion = Motion::keyed(keys.clone()).unwrap();
+    for (time, key) in keys {
+        assert_eq!(motion.at(time), key);
+    }
+    assert_eq!((motion.at(-9.0), motion.at(9.0)), (turn(0.0), shift));
+    for (from, to, half) in [(0.0, 1.0, 0.5), (0.1, 2.0 * PI, 0.05), (0.0, 1e-9, 5e-10), (-1.0, 2.1, 0.55)] {
+        let motion = Motion::keyed(vec![(0.0, turn(from)), (1.0, turn(to))]).unwrap();
+        let want = turn(half).to_cols_array();
+        let got = motion.at(0.5).to_cols_array();
+        // A dozen roundings of numbers up to 1.
+        assert!(want.iter().zip(got).all(|(a, b)| (a - b).abs() < 16.0 * f64::EPSILON), "{from} {to}");
+    }
+    let sheared = DAffine3::from_cols_array(&[2.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+    let mirrored = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    let through = Motion::keyed(vec![(0.0, sheared), (1.0, sheared * turn(2.0))]).unwrap();
+    for i in 0..=10 {
+        assert!(through.at(f64::from(i) / 10.0).matrix3.determinant() > 0.5);
+    }
+    assert!(Motion::keyed(vec![(0.0, turn(0.0)), (1.0, mirrored)]).is_err());
+    assert!(Motion::keyed(vec![(0.0, shift), (0.0, shift)]).is_err());
+    assert!(Motion::keyed(vec![]).is_err());
+    assert!(Motion::keyed(vec![(f64::NAN, shift)]).is_err());
+}
