@@ -232,6 +232,14 @@ impl<D: Domain> Target<D> {
         histogram.add(self.domain.to_square(point));
     }
 
+    /// How many independent points a bound takes: so many that a right sampler is undecided with probability 1e-6.
+    ///
+    /// # Errors
+    /// `Density`, `Quadrature`, `TooFew`, `Parameter`.
+    pub fn sample_count(&self, bound: f64) -> Result<u64, InputError> {
+        judge::sample_count(self.expected()?, bound)
+    }
+
     /// Tests counts of independent points.
     ///
     /// * `histogram`: of the shape that [`histogram`](Self::histogram) gives, with at least 10 samples;

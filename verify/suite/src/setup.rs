@@ -82,7 +82,11 @@ pub fn spot(
     let projection =
         Projection::Perspective { fov: 1e-3, axis: FovAxis::X, lens_radius: 0.0, focus_distance: 1.0 };
     SceneDescription {
-        camera: CameraSettings { projection, to_world: fixed(look(eye, target, up)), shutter: Shutter::INSTANT },
+        camera: CameraSettings {
+            projection,
+            to_world: fixed(look(eye, target, up)),
+            shutter: Shutter::INSTANT,
+        },
         film: FilmSettings {
             width: 1,
             height: 1,
@@ -107,6 +111,14 @@ pub fn receiver(lamps: Vec<ObjectSettings>) -> SceneDescription {
     let mut objects = vec![thing(ShapeSettings::Rectangle, plate, diffuse(1.0))];
     objects.extend(lamps);
     spot(DVec3::new(0.003, 0.002, 0.004), DVec3::ZERO, objects, IntegratorSettings::DIRECT)
+}
+
+/// The scene of `description`.
+///
+/// # Panics
+/// If it is refused: the scenes of claims are not.
+pub fn built(description: &SceneDescription) -> Scene {
+    Scene::new(description).expect("the scenes of claims are valid")
 }
 
 /// One replicate's image of `scene`: `samples` a pixel, at least 1, from `seed`.

@@ -8,7 +8,8 @@ use renderer::shapes::{MeshData, ShapeSettings};
 use verify::claim::{Claim, Run, claim};
 use verify::error::InputError;
 use verify::irradiance::{
-    Receiver, from_parallel_disk, from_parallel_rectangle, from_perpendicular_rectangle, from_polygon, from_sphere,
+    Receiver, from_parallel_disk, from_parallel_rectangle, from_perpendicular_rectangle, from_polygon,
+    from_sphere,
 };
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
@@ -25,7 +26,12 @@ struct Place {
 pub(super) fn claims() -> Vec<Claim> {
     vec![
         from("irradiance/rectangle/parallel", "a rectangle parallel to the receiver", 1024, parallel),
-        from("irradiance/rectangle/perpendicular", "a rectangle perpendicular to the receiver", 4096, perpendicular),
+        from(
+            "irradiance/rectangle/perpendicular",
+            "a rectangle perpendicular to the receiver",
+            4096,
+            perpendicular,
+        ),
         from("irradiance/rectangle/tilted", "a tilted rectangle, partly below the horizon", 4096, tilted),
         from("irradiance/disk/parallel", "a disk parallel to the receiver, on and off its axis", 1024, disk),
         from("irradiance/sphere/tilted", "a sphere at any tilt, partly below the horizon", 8192, sphere),
@@ -110,7 +116,8 @@ fn tilted(scale: f64) -> Vec<Place> {
     let place = |[x, y, a, b, h]: [f64; 5]| {
         let centre = DVec3::new(x, y, h);
         let (side, other) = facing_origin(centre);
-        let corners = [(-a, -b), (a, -b), (a, b), (-a, b)].map(|(s, t)| (centre + s * side + t * other).to_array());
+        let corners =
+            [(-a, -b), (a, -b), (a, b), (-a, b)].map(|(s, t)| (centre + s * side + t * other).to_array());
         Place {
             lamp: lamp(ShapeSettings::Rectangle, rectangle_at(centre, scale * a * side, scale * b * other)),
             exact: from_polygon(RECEIVER, &corners),

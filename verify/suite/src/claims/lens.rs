@@ -1,22 +1,23 @@
-//! The lens: where rays start on it, and where they meet.
+//! Lens and shutter: where and when rays start, and where they meet.
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
 use renderer::camera::{FovAxis, Projection, Shutter};
 use renderer::film::FilmSettings;
 use renderer::integrator::batch::{Path, Sample};
 use renderer::math::transform::Motion;
 use renderer::sampling::Decision;
 use renderer::scene::{IntegratorSettings, Scene, SceneDescription};
+use renderer::shapes::ShapeSettings;
 use verify::chi_square::ChiSquare;
 use verify::claim::{Claim, claim};
 use verify::domain::{Disk, Interval};
 
 use super::pointwise::{never, rejecting, single};
-use super::recorded::{Recorded, Wrong};
+use super::recorded::{Read, Recorded, Wrong};
 use crate::bounds;
-use crate::setup::{at_origin, diffuse, fixed, look, spot, thing};
-use glam::DAffine3;
-use renderer::shapes::ShapeSettings;
+use crate::setup::{built, diffuse, fixed, look, spot, thing};
 
 const RADIUS: f64 = 0.3;
 const FOCUS: f64 = 5.0;
@@ -31,8 +32,8 @@ fn scene() -> Scene {
     let ball = ShapeSettings::Sphere { center: DVec3::new(0.0, 0.0, 7.0), radius: 1.0 };
     let mut object = thing(ball, DAffine3::IDENTITY, diffuse(0.5));
     let slide = |x: f64| DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
-    object.to_world =
-        Motion::keyed(vec![(2.0, slide(0.0)), (5.0, slide(1.0))]).expect("two finite, invertible keys in order");
+    object.to_world = Motion::keyed(vec![(2.0, slide(0.0)), (5.0, slide(1.0))])
+        .expect("two finite, invertible keys in order");
     let mut description: SceneDescription =
         spot(DVec3::ZERO, DVec3::Z, vec![object], IntegratorSettings::DIRECT);
     description.film = FilmSettings { width: 64, height: 64, ..description.film };
@@ -40,7 +41,7 @@ fn scene() -> Scene {
         Projection::Perspective { fov: 40.0, axis: FovAxis::X, lens_radius: RADIUS, focus_distance: FOCUS };
     description.camera.to_world = fixed(look(DVec3::ZERO, DVec3::Z, DVec3::Y));
     description.camera.shutter = Shutter::new(2.0, 5.0).expect("2 is before 5");
-    at_origin(&description)
+    built(&description)
 }
 
 /// Where the ray leaves the lens; the render frame's origin is the lens's middle, and its plane is z = 0.
@@ -50,7 +51,8 @@ fn on_lens(_: &Scene, _: &Sample, path: &Path) -> Option<[f64; 2]> {
 }
 
 fn position() -> Claim {
-    let builder = claim("lens/position/uniform", "rays of a render start uniformly on a disk of the lens's radius");
+    let builder =
+        claim("lens/position/uniform", "rays of a render start uniformly on a disk of the lens's radius");
     let recorded = Recorded {
         target: ChiSquare::on(Disk::of_radius(RADIUS)),
         decision: Decision::Lens,
@@ -59,9 +61,8 @@ fn position() -> Claim {
         bound: bounds::RECORDED,
     };
     // the root undone: a point at r = √ξ moves to ξ
-    let naive: super::recorded::Read<[f64; 2]> = |scene, sample, path| {
-        on_lens(scene, sample, path).map(|p| p.map(|c| c * p[0].hypot(p[1]) / RADIUS))
-    };
+    let naive: Read<[f64; 2]> =
+        |scene, sample, path| on_lens(scene, sample, path).map(|p| p.map(|c| c * p[0].hypot(p[1]) / RADIUS));
     recorded.claim(builder, Wrong { name: "radius ξ in the place of √ξ", scene: None, read: naive })
 }
 
@@ -74,13 +75,13 @@ fn time() -> Claim {
         read: |_, _, path| Some(f64::from(path.ray.time)),
         bound: bounds::RECORDED,
     };
-    let early: super::recorded::Read<f64> = |_, _, path| Some(2.0 + 0.98 * (f64::from(path.ray.time) - 2.0));
+    let early: Read<f64> = |_, _, path| Some(2.0 + 0.98 * (f64::from(path.ray.time) - 2.0));
     recorded.claim(builder, Wrong { name: "closes 2 % early", scene: None, read: early })
 }
 
 /// All rays of one point of the image meet in the plane in focus, wherever they leave the lens.
 fn focus() -> Claim {
-    let scene = scene();
+    let scene = Arc::new(scene());
     let apart = move |[x, y, a, b]: [f64; 4], depth: f32| {
         let p = [x, y].map(|u| single(u) * 2.0 - 1.0);
         let meet = |zeta: [f32; 2]| {
@@ -95,7 +96,9 @@ fn focus() -> Claim {
     #[expect(clippy::cast_possible_truncation, reason = "a distance of order 1")]
     let focus = FOCUS as f32;
     let wrong = apart.clone();
-    let builder = claim("lens/focus/sharp", "all points of the lens see a point of the plane in focus at one place");
-    let builder = rejecting(builder, "a plane 0.01 % behind it", move |u| wrong(u, focus * 1.0001) > tolerance);
+    let builder =
+        claim("lens/focus/sharp", "all points of the lens see a point of the plane in focus at one place");
+    let builder =
+        rejecting(builder, "a plane 0.01 % behind it", move |u| wrong(u, focus * 1.0001) > tolerance);
     never(builder, "share of rays that miss", move |u| apart(u, focus) > tolerance)
 }

@@ -2,8 +2,11 @@
 
 use verify::claim::Claim;
 
+mod filter;
 mod irradiance;
+mod lens;
 mod pointwise;
+mod recorded;
 mod warp;
 
 /// The groups that a claim's name may begin with.
@@ -31,7 +34,7 @@ pub const GROUPS: [&str; 19] = [
 
 /// Every claim, by group.
 pub fn all() -> Vec<Claim> {
-    [warp::claims(), irradiance::claims()].into_iter().flatten().collect()
+    [warp::claims(), lens::claims(), filter::claims(), irradiance::claims()].into_iter().flatten().collect()
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex};
 
-use renderer::integrator::{Batch, Integrator, PathTracer, stages};
 use renderer::integrator::batch::{Path, Sample};
+use renderer::integrator::{Batch, Integrator, PathTracer, stages};
 use renderer::render::{RenderSettings, render_with};
 use renderer::sampling::{Decision, DecisionSet, Independent, SampleId, Sampler, SamplerKind, Vertex};
 use renderer::scene::{Effect, Scene};
@@ -67,14 +67,24 @@ where
             .by(move |run| this.evidence(run, &this.scene, this.read, 1.0))
     }
 
-    fn evidence(&self, run: &Run, scene: &Scene, read: Read<D::Point>, exponent: f64) -> Result<Evidence, InputError> {
+    fn evidence(
+        &self,
+        run: &Run,
+        scene: &Scene,
+        read: Read<D::Point>,
+        exponent: f64,
+    ) -> Result<Evidence, InputError> {
         let pixels = u64::from(scene.film.width) * u64::from(scene.film.height);
         let needed = self.target.sample_count(self.bound)? * run.effort;
         let samples = u32::try_from(needed.div_ceil(pixels)).map_err(subject)?;
-        let recorder = Recorder { target: &self.target, read, histogram: Mutex::new(self.target.histogram()) };
+        let recorder =
+            Recorder { target: &self.target, read, histogram: Mutex::new(self.target.histogram()) };
         #[expect(clippy::cast_possible_truncation, reason = "numbers are f32")]
-        let sampler =
-            Distorted { inner: Independent::new(run.seed), decision: self.decision, exponent: exponent as f32 };
+        let sampler = Distorted {
+            inner: Independent::new(run.seed),
+            decision: self.decision,
+            exponent: exponent as f32,
+        };
         let settings = RenderSettings {
             sampler: SamplerKind::Independent,
             samples,
