@@ -103,15 +103,14 @@ def write_record(path, replicates, provenance):
         "worst_tile_relative_stderr": replicates.worst_tile(),
         "provenance": provenance,
         "tile": TILE,
-        "tile_shape": list(np.shape(replicates.tiles)),
     }
-    lines = ["[" + ", ".join(f"{v:.9g}" for v in np.ravel(seed)) + "]" for seed in replicates.tiles]
+    lines = [json.dumps([[[float(f"{v:.9g}") for v in tile] for tile in row] for row in seed]) for seed in replicates.tiles]
     text = json.dumps(record, indent=1)[:-2] + ',\n "tile_sums": [\n  ' + ",\n  ".join(lines) + "\n ]\n}\n"
     Path(path).write_text(text)
 
 
 def read_record(path):
-    """The JSON beside an image; `tile_sums` as an array of shape seeds, rows, columns, channels."""
+    """The JSON beside an image; `tile_sums` as an array over seeds, rows, columns, channels."""
     record = json.loads(Path(path).read_text())
-    record["tile_sums"] = np.array(record["tile_sums"]).reshape(record["tile_shape"])
+    record["tile_sums"] = np.array(record["tile_sums"])
     return record
