@@ -123,7 +123,11 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[MAGIC_AND_VERSION..start].copy_from_slice(&attributes.concat());
 }
 
-fn decode(path: &Path, bytes: &[u8]) -> Result<Image, Error> {
+/// The image in the EXR file `path` whose content is `bytes`; see [`read`].
+///
+/// # Errors
+/// `Error::Format`, as [`read`].
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Image, Error> {
     check_sizes(path, bytes)?;
     let reader = exr::image::read::read().no_deep_data().largest_resolution_level().all_channels();
     let file = reader

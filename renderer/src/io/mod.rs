@@ -2,7 +2,12 @@
 
 pub mod exr;
 pub mod image;
+pub mod mesh;
+pub mod mitsuba;
+mod obj;
+mod ply;
 pub mod png;
 pub mod rendering;
 
 pub use image::{Image, MAX_PIXELS, Metadata, Provenance};
+pub use mitsuba::read_scene;

@@ -1,5 +1,6 @@
 //! Eight-bit pictures: what is rendered goes out as PNG, textures come in as PNG, JPEG or EXR.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use image::{DynamicImage, ImageError, ImageReader, RgbImage};
@@ -27,18 +28,28 @@ pub fn write(path: &Path, image: &Image, exposure: f32) -> Result<(), Error> {
     picture.save_with_format(path, image::ImageFormat::Png).map_err(|error| picture_error(path, error))
 }
 
-/// Reads the texture `path` as linear values, rows from the top; a fourth channel is dropped, one channel is repeated.
+/// Reads the texture `path`; see [`decode`].
+///
+/// # Errors
+/// `Error::Io` if the file cannot be read; else as [`decode`].
+pub fn read(path: &Path, raw: bool) -> Result<Image, Error> {
+    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.into(), source })?;
+    decode(path, &bytes, raw)
+}
+
+/// The texture file `path` with the content `bytes` as linear values, rows from the top; a fourth channel is dropped, one
+/// channel is repeated. PNG and JPEG are known by their content, EXR by its name.
 ///
 /// * `raw`: take the stored values as they are (0 to 1) instead of decoding sRGB. EXR files are linear either way.
 ///
 /// # Errors
-/// `Error::Io` if the file cannot be read; `Error::Format` if it is none of the formats or too large.
-pub fn read(path: &Path, raw: bool) -> Result<Image, Error> {
+/// `Error::Format` if it is none of the formats or too large.
+pub fn decode(path: &Path, bytes: &[u8], raw: bool) -> Result<Image, Error> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
-        return exr::read(path);
+        return exr::decode(path, bytes);
     }
-    let io_error = |source| Error::Io { path: path.into(), source };
-    let reader = ImageReader::open(path).map_err(io_error)?.with_guessed_format().map_err(io_error)?;
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+    let reader = reader.map_err(|source| Error::Io { path: path.into(), source })?;
     let picture = reader.decode().map_err(|error| picture_error(path, error))?;
     let (width, height) = (picture.width(), picture.height());
     if u64::from(width) * u64::from(height) > MAX_PIXELS {

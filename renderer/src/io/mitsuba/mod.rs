@@ -1,0 +1,123 @@
+//! Scene files in Mitsuba 3's XML format: a documented subset, read strictly. A generic layer (`document`, `object`,
+//! `transform`, `color`) knows elements, places and values; one short function per plugin asks for its parameters, and
+//! what none has asked for is refused with the list of what would have been accepted.
+//!
+//! `filename`s are relative to the folder of the scene that is read, also in files that it includes, as in Mitsuba.
+
+mod bsdfs;
+mod color;
+mod document;
+mod emitters;
+mod files;
+mod integrators;
+mod object;
+mod sensors;
+mod shapes;
+mod textures;
+mod transform;
+
+use std::cell::RefCell;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use document::{Attribute, Document};
+use files::Files;
+use object::Object;
+
+use crate::Error;
+use crate::materials::Material;
+use crate::scene::SceneDescription;
+use crate::texture::Texture;
+
+/// What is known while a document becomes a scene.
+struct Context {
+    document: Document,
+    files: RefCell<Files>,
+    notes: RefCell<Vec<String>>,
+    materials: RefCell<HashMap<usize, Arc<Material>>>,
+    textures: RefCell<HashMap<usize, Texture>>,
+    /// Materials that are being read, to find one inside itself.
+    building: RefCell<Vec<usize>>,
+    /// Area emitters that a shape has.
+    attached: RefCell<HashSet<usize>>,
+}
+
+impl Context {
+    fn note(&self, note: String) {
+        self.notes.borrow_mut().push(note);
+    }
+
+    /// Path and content of the file that a parameter names.
+    fn file(&self, filename: &Attribute) -> Result<(PathBuf, Vec<u8>), Error> {
+        let mut files = self.files.borrow_mut();
+        let path = files.resolve(&filename.value);
+        let refuse = |error| filename.place.refuse(format!("filename '{}': {error}", filename.value));
+        let bytes = files.read(&path).map_err(refuse)?;
+        Ok((path, bytes))
+    }
+}
+
+/// Reads the scene file `path` with everything it includes.
+///
+/// * `overrides`: names and values that win over the file's `default`s; the last one of a name counts.
+///
+/// Returns: the scene, and one note for each valid parameter that changes nothing.
+///
+/// # Errors
+/// `Error::Io` if `path` cannot be read; else `Error::Format` or `Error::Unsupported` with file, line and column, the name of
+/// what is wrong, and what is accepted.
+pub fn read_scene(
+    path: &Path,
+    overrides: &[(String, String)],
+) -> Result<(SceneDescription, Vec<String>), Error> {
+    let mut files = Files::beside(path);
+    for (name, value) in overrides {
+        files.add(name.as_bytes());
+        files.add(value.as_bytes());
+    }
+    let document = document::load(&mut files, path, overrides)?;
+    let context = Context {
+        document,
+        files: RefCell::new(files),
+        notes: RefCell::default(),
+        materials: RefCell::default(),
+        textures: RefCell::default(),
+        building: RefCell::default(),
+        attached: RefCell::default(),
+    };
+    let mut scene = scene(&context)?;
+    scene.hash = context.files.borrow().hash();
+    Ok((scene, context.notes.into_inner()))
+}
+
+fn scene(context: &Context) -> Result<SceneDescription, Error> {
+    let root = Object::new(context, 0)?;
+    if root.element.tag != "scene" {
+        return Err(root.place().refuse(format!("<{}> as the root; <scene> is accepted", root.element.tag)));
+    }
+    let version = root.element.required("version")?;
+    if !(version.value.starts_with("3.") || version.value.starts_with("2.")) {
+        let feature = format!("format version '{}'", version.value);
+        return Err(version.place.unsupported(feature, "2.x.y and 3.x.y are accepted"));
+    }
+    let sensor = root.only_nested("sensor")?;
+    let sensor = sensor.ok_or_else(|| root.place().refuse("a scene without a <sensor>; one is accepted"))?;
+    let sensor = sensors::read(context, sensor)?;
+    let integrator = integrators::read(context, root.only_nested("integrator")?)?;
+    for index in root.nested("bsdf")? {
+        bsdfs::read(context, index)?;
+    }
+    for index in root.nested("texture")? {
+        textures::read(context, index)?;
+    }
+    let objects = root
+        .nested("shape")?
+        .into_iter()
+        .map(|index| shapes::read(context, index))
+        .collect::<Result<_, _>>()?;
+    let lights = emitters::read(context, &root.nested("emitter")?)?;
+    root.finish()?;
+    let sensors::Sensor { camera, film, sampler } = sensor;
+    Ok(SceneDescription { camera, film, sampler, integrator, objects, lights, hash: 0 })
+}

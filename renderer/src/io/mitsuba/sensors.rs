@@ -1,0 +1,165 @@
+//! Sensors with their film, filter and sampler.
+
+use super::Context;
+use super::object::Object;
+use super::transform;
+use crate::Error;
+use crate::camera::{Camera, CameraSettings, FovAxis, Projection, Shutter};
+use crate::film::filter::{Filter, FilterSampler};
+use crate::film::{FilmSettings, Reconstruction};
+use crate::io::MAX_PIXELS;
+use crate::sampling::SamplerKind;
+use crate::scene::SamplerSettings;
+use glam::DVec3;
+
+const PLUGINS: [&str; 3] = ["orthographic", "perspective", "thinlens"];
+const NO_CLIPPING: &str = "nothing is cut off near or far";
+
+/// What a sensor brings.
+pub(super) struct Sensor {
+    pub(super) camera: CameraSettings,
+    pub(super) film: FilmSettings,
+    pub(super) sampler: SamplerSettings,
+}
+
+/// The sensor at `index` of the document.
+pub(super) fn read(context: &Context, index: usize) -> Result<Sensor, Error> {
+    let object = Object::new(context, index)?;
+    let plugin = object.plugin(&PLUGINS)?;
+    let projection = match plugin {
+        "orthographic" => Projection::Orthographic,
+        _ => perspective(&object, plugin == "thinlens")?,
+    };
+    object.without_effect("near_clip", &["float", "integer"], NO_CLIPPING)?;
+    object.without_effect("far_clip", &["float", "integer"], NO_CLIPPING)?;
+    let to_world = transform::motion(&object, "to_world")?;
+    let opens = object.float("shutter_open")?.unwrap_or(0.0);
+    let closes = object.float("shutter_close")?.unwrap_or(opens);
+    let shutter = Shutter::new(opens, closes).map_err(|reason| object.refuse(&reason))?;
+    let film = match object.only_nested("film")? {
+        Some(index) => film(context, index)?,
+        None => DEFAULT_FILM,
+    };
+    let sampler = match object.only_nested("sampler")? {
+        Some(index) => sampler(context, index)?,
+        None => DEFAULT_SAMPLER,
+    };
+    let camera = CameraSettings { projection, to_world, shutter };
+    Camera::new(&camera, film.width, film.height, DVec3::ZERO).map_err(|reason| object.refuse(&reason))?;
+    if plugin != "orthographic" {
+        check_scale(&object, &camera)?;
+    }
+    object.finish()?;
+    Ok(Sensor { camera, film, sampler })
+}
+
+fn perspective(object: &Object, lens: bool) -> Result<Projection, Error> {
+    let axes = [
+        ("x", FovAxis::X),
+        ("y", FovAxis::Y),
+        ("diagonal", FovAxis::Diagonal),
+        ("smaller", FovAxis::Smaller),
+        ("larger", FovAxis::Larger),
+    ];
+    let fov = object.float("fov")?.ok_or_else(|| object.missing("fov"))?;
+    let axis = object.choice("fov_axis", &axes, FovAxis::X)?;
+    for name in ["principal_point_offset_x", "principal_point_offset_y"] {
+        if object.float(name)?.is_some_and(|offset| offset != 0.0) {
+            return Err(object.refuse_value(name, format!("'{name}' other than 0; 0 is accepted")));
+        }
+    }
+    if !lens {
+        object.without_effect("focus_distance", &["float", "integer"], "a perspective sensor has no lens")?;
+        return Ok(Projection::Perspective { fov, axis, lens_radius: 0.0, focus_distance: 1.0 });
+    }
+    let lens_radius = object.float("aperture_radius")?.ok_or_else(|| object.missing("aperture_radius"))?;
+    let focus_distance = object.float("focus_distance")?.ok_or_else(|| object.missing("focus_distance"))?;
+    Ok(Projection::Perspective { fov, axis, lens_radius, focus_distance })
+}
+
+/// Refuses scaled or sheared perspective sensors, as Mitsuba does.
+fn check_scale(object: &Object, camera: &CameraSettings) -> Result<(), Error> {
+    let m = camera.to_world.at(camera.shutter.open).matrix3;
+    let error = (m.transpose() * m - glam::DMat3::IDENTITY)
+        .to_cols_array()
+        .into_iter()
+        .fold(0.0, |a: f64, b| a.max(b.abs()));
+    // Matrices in files carry about six digits.
+    if error < 1e-4 {
+        return Ok(());
+    }
+    Err(object.refuse_value(
+        "to_world",
+        "'to_world' scales or shears the sensor; rotation and translation are accepted",
+    ))
+}
+
+const DEFAULT_FILM: FilmSettings = FilmSettings {
+    width: 768,
+    height: 576,
+    filter: DEFAULT_FILTER,
+    reconstruction: Reconstruction::Importance,
+};
+const DEFAULT_FILTER: Filter = Filter::Gaussian { stddev: 0.5 };
+const DEFAULT_SAMPLER: SamplerSettings = SamplerSettings { kind: SamplerKind::Independent, spp: 4, seed: 0 };
+
+fn film(context: &Context, index: usize) -> Result<FilmSettings, Error> {
+    let object = Object::new(context, index)?;
+    object.plugin(&["hdrfilm"])?;
+    let side = |name, default| object.count(name, [1, u32::MAX], default);
+    let (width, height) = (side("width", DEFAULT_FILM.width)?, side("height", DEFAULT_FILM.height)?);
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        let message = format!("a film of {width} × {height} pixels; 1 to 2^28 pixels are accepted");
+        return Err(object.refuse_value("width", message));
+    }
+    for name in ["crop_width", "crop_height", "crop_offset_x", "crop_offset_y"] {
+        if object.integer(name)?.is_some() {
+            return Err(object.refuse_value(
+                name,
+                format!("'{name}': cropping is not supported; whole films are accepted"),
+            ));
+        }
+    }
+    object.choice("pixel_format", &[("rgb", ()), ("rgba", ())], ())?;
+    object.choice("component_format", &[("float32", ()), ("float16", ())], ())?;
+    object.choice("file_format", &[("openexr", ())], ())?;
+    if object.boolean("compensate", false)? {
+        return Err(object.refuse_value("compensate", "'compensate' is true; false is accepted"));
+    }
+    object.without_effect("sample_border", &["boolean"], "pixels own their samples; there is no border")?;
+    let filter = match object.only_nested("rfilter")? {
+        Some(index) => filter(context, index)?,
+        None => DEFAULT_FILTER,
+    };
+    object.finish()?;
+    Ok(FilmSettings { width, height, filter, reconstruction: Reconstruction::Importance })
+}
+
+fn filter(context: &Context, index: usize) -> Result<Filter, Error> {
+    let object = Object::new(context, index)?;
+    let value = |name, default| Ok::<_, Error>(object.float(name)?.unwrap_or(default));
+    let filter = match object.plugin(&["box", "gaussian", "mitchell", "tent"])? {
+        "box" => Filter::PIXEL,
+        "gaussian" => Filter::Gaussian { stddev: value("stddev", 0.5)? },
+        "mitchell" => Filter::Mitchell { b: value("B", 1.0 / 3.0)?, c: value("C", 1.0 / 3.0)? },
+        _ => Filter::Tent { radius: value("radius", 1.0)? },
+    };
+    FilterSampler::new(filter).map_err(|reason| object.refuse(&reason))?;
+    object.finish()?;
+    Ok(filter)
+}
+
+fn sampler(context: &Context, index: usize) -> Result<SamplerSettings, Error> {
+    let object = Object::new(context, index)?;
+    let known: Vec<&str> = SamplerKind::ALL.iter().map(|kind| kind.name()).chain(["ldsampler"]).collect();
+    let plugin = object.plugin(&known)?;
+    // Mitsuba's low-discrepancy sampler is a scrambled (0, 2)-sequence: Sobol' in two dimensions at a time
+    let kind = SamplerKind::ALL.into_iter().find(|kind| kind.name() == plugin).unwrap_or(SamplerKind::Sobol);
+    if plugin == "stratified" && !object.boolean("jitter", true)? {
+        return Err(object.refuse_value("jitter", "'jitter' is false; true is accepted"));
+    }
+    let spp = object.count("sample_count", [1, u32::MAX], DEFAULT_SAMPLER.spp)?;
+    let seed = u64::from(object.count("seed", [0, u32::MAX], 0)?);
+    object.finish()?;
+    Ok(SamplerSettings { kind, spp, seed })
+}
