@@ -89,6 +89,9 @@ pub(super) enum Kind {
 impl Bsdf {
     /// The value f(wo, wi), without the cosine; delta lobes give 0.
     ///
+    /// A blur disk's value has the cosine in its denominator and overflows where that is below about 1e-31:
+    /// estimators use [`Self::eval_cos`].
+    ///
     /// Returns: 1/sr.
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         let (wo, wi) = self.upward(wo, wi);
@@ -98,6 +101,19 @@ impl Bsdf {
             Kind::BlurDisk(b) => b.eval(wo, wi),
             Kind::Phong(b) => b.eval(wo, wi),
             Kind::Mirror(_) | Kind::Conductor(_) | Kind::Dielectric(_) => Rgb::BLACK,
+        }
+    }
+
+    /// f(wo, wi) |cos θᵢ|, what incident radiance is multiplied by; finite for all directions.
+    ///
+    /// Returns: 1/sr; delta lobes give 0.
+    pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        match &self.kind {
+            Kind::BlurDisk(b) => {
+                let (wo, wi) = self.upward(wo, wi);
+                b.eval_cos(wo, wi)
+            }
+            _ => self.eval(wo, wi) * wi.z.abs(),
         }
     }
 
@@ -125,7 +141,10 @@ impl Bsdf {
     /// Per steradian.
     pub fn branch_pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         match &self.kind {
-            Kind::BlurDisk(b) => b.branch_pdf(wo, wi),
+            Kind::BlurDisk(b) => {
+                let (wo, wi) = self.upward(wo, wi);
+                b.branch_pdf(wo, wi)
+            }
             _ => self.pdf(wo, wi),
         }
     }

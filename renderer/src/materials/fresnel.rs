@@ -82,3 +82,137 @@ pub fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     };
     Rgb::new(channel(eta.r, k.r), channel(eta.g, k.g), channel(eta.b, k.b))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Snell's law and Fresnel's equations as textbooks have them, in f64: [reflectance, cos θt].
+    fn textbook(cos_i: f64, eta: f64) -> Option<[f64; 2]> {
+        let sin_t = (1.0 - cos_i * cos_i).sqrt() / eta;
+        let cos_t = (sin_t < 1.0).then(|| ((1.0 - sin_t) * (1.0 + sin_t)).sqrt())?;
+        let rs = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+        let rp = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+        Some([(rs * rs + rp * rp) / 2.0, cos_t])
+    }
+
+    #[test]
+    fn glass_reflects_four_percent_at_normal_incidence() {
+        for cos in [1.0, -1.0] {
+            let at = dielectric(cos, 1.5);
+            assert_eq!((at.reflectance, at.transmittance, at.cos_t), (0.04, 0.96, Some(1.0)));
+        }
+    }
+
+    #[test]
+    fn at_brewsters_angle_one_polarisation_is_not_reflected() {
+        for eta in [1.1_f32, 1.33, 1.5, 2.4] {
+            let e2 = f64::from(eta) * f64::from(eta);
+            let rs = ((e2 - 1.0) / (e2 + 1.0)).powi(2);
+            let cos = to_f32((1.0 / (1.0 + e2)).sqrt());
+            // The reflectance turns by at most 2 per unit of cosine here; the cosine is rounded by 2⁻²⁵.
+            assert!((f64::from(dielectric(cos, eta).reflectance) - rs / 2.0).abs() < 1.2e-7, "eta {eta}");
+        }
+    }
+
+    #[test]
+    fn without_a_change_of_index_all_light_passes() {
+        for cos in [1.0, 0.5, 1e-3, 1e-20, -0.7] {
+            let at = dielectric(cos, 1.0);
+            assert_eq!((at.reflectance, at.transmittance, at.cos_t), (0.0, 1.0, Some(cos.abs())));
+        }
+    }
+
+    #[test]
+    fn agrees_with_the_textbook_and_keeps_the_power() {
+        for eta in [0.5_f32, 0.99, 1.0001, 1.33, 1.5, 10.0] {
+            for i in 1..=10_000_u16 {
+                let cos = f32::from(i) / 10_000.0;
+                let at = dielectric(cos, eta);
+                let Some([r, cos_t]) = textbook(f64::from(cos), f64::from(eta)) else {
+                    assert_eq!((at.reflectance, at.transmittance, at.cos_t), (1.0, 0.0, None));
+                    continue;
+                };
+                // Both are rounded to f32 once, by at most 2⁻²⁵ below 1; their sum by 2⁻²⁴.
+                assert!((f64::from(at.reflectance) - r).abs() < 3.1e-8, "{cos} {eta}");
+                assert!((at.reflectance + at.transmittance - 1.0).abs() <= 1.2e-7, "{cos} {eta}");
+                assert!((f64::from(at.cos_t.unwrap()) - cos_t).abs() < 3.1e-8, "{cos} {eta}");
+            }
+        }
+    }
+
+    #[test]
+    fn reflects_the_same_share_on_the_way_in_and_out() {
+        for i in 1..=1000_u16 {
+            let going_in = dielectric(f32::from(i) / 1000.0, 1.5);
+            let coming_out = dielectric(-going_in.cos_t.unwrap(), 1.5);
+            // cos θt is rounded by 2⁻²⁵; coming out, the reflectance turns at most 24 per unit near the critical
+            // angle at the smallest cosine here: 4/cos θi from dcosθi/dcosθt.
+            let slope = 4.0 * 1.5 * 1.5 / (f32::from(i) / 1000.0);
+            let bound = (slope + 8.0) * 6e-8;
+            assert!((going_in.reflectance - coming_out.reflectance).abs() < bound, "{i}");
+        }
+    }
+
+    #[test]
+    fn near_the_critical_angle_no_digit_is_lost_and_the_share_grows_to_one() {
+        let critical = (1.0_f32 - 1.0 / 2.25).sqrt();
+        let mut last = 0.0;
+        for step in (-200..=200_i32).rev() {
+            let cos = f32::from_bits(critical.to_bits().checked_add_signed(step).unwrap());
+            let at = dielectric(-cos, 1.5);
+            let expected = textbook(f64::from(cos), 1.0 / 1.5).map_or(1.0, |[r, _]| r);
+            // The textbook's cos²θt is rounded by 2⁻⁵², so its root by 2⁻²⁶ at worst, times a slope of 6.
+            assert!((f64::from(at.reflectance) - expected).abs() < 1.2e-7, "{step}");
+            assert!(at.reflectance >= last, "{step}");
+            last = at.reflectance;
+        }
+        assert_eq!(last, 1.0);
+    }
+
+    #[test]
+    fn near_grazing_the_refracted_share_keeps_its_digits() {
+        for cos in [1e-4_f32, 1e-8, 1e-20] {
+            let expected = 2.0 * f64::from(cos) * (1.0 + 2.25) / 1.25_f64.sqrt();
+            let got = f64::from(dielectric(cos, 1.5).transmittance);
+            // The series' next term is relative 2 (1/q + 1/(…)) c < 4c, and the result is rounded by 2⁻²⁴.
+            assert!((got / expected - 1.0).abs() < 4.0 * f64::from(cos) + 1e-7, "{cos}");
+        }
+    }
+
+    #[test]
+    fn a_conductor_without_absorption_is_a_dielectric() {
+        for i in 1..=100_u16 {
+            let cos = f32::from(i) / 100.0;
+            let metal = conductor(cos, Rgb::splat(1.5), Rgb::BLACK).r;
+            // Some ten roundings of 2⁻²⁴ in terms of size about 3.
+            assert!((metal - dielectric(cos, 1.5).reflectance).abs() < 2e-6, "{cos}");
+        }
+    }
+
+    #[test]
+    fn a_conductor_agrees_with_complex_arithmetic() {
+        for (eta, k) in [(0.143_f32, 3.983_f32), (1.6575, 9.2238), (4.37, 5.2), (0.04, 0.9), (0.0, 1.0)] {
+            for i in 0..=100_u16 {
+                let cos = f32::from(i) / 100.0;
+                let got = f64::from(conductor(cos, Rgb::splat(eta), Rgb::splat(k)).g);
+                let expected = complex_reflectance(f64::from(cos), [f64::from(eta), f64::from(k)]);
+                // Some ten roundings of 2⁻²⁴ in quotients of numbers of one size.
+                assert!((got - expected).abs() < 2e-6, "{eta} {k} {cos}: {got} {expected}");
+            }
+        }
+    }
+
+    /// |r|² by complex arithmetic on m = η + ik: r_s = (c − q)/(c + q), r_p = (m²c − q)/(m²c + q), q² = m² − s².
+    fn complex_reflectance(c: f64, [eta, k]: [f64; 2]) -> f64 {
+        let m2 = [eta * eta - k * k, 2.0 * eta * k];
+        let q2 = [m2[0] - (1.0 - c * c), m2[1]];
+        let (radius, angle) = (q2[0].hypot(q2[1]).sqrt(), q2[1].atan2(q2[0]) / 2.0);
+        let q = [radius * angle.cos(), radius * angle.sin()];
+        let ratio = |a: [f64; 2]| {
+            let norm2 = |re: f64, im: f64| re * re + im * im;
+            norm2(a[0] - q[0], a[1] - q[1]) / norm2(a[0] + q[0], a[1] + q[1])
+        };
+        (ratio([c, 0.0]) + ratio([m2[0] * c, m2[1] * c])) / 2.0
+    }
+}

@@ -9,6 +9,7 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
+mod metals;
 pub mod microfacet;
 mod mirror;
 mod phong;
