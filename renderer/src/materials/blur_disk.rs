@@ -8,9 +8,9 @@ use super::bsdf::{Branch, BsdfSample, Lobe};
 use super::conductor::check_range;
 use super::dielectric::{check_eta, ideal};
 use super::fresnel::{self, Interface};
-use super::warp;
 use crate::error::ParamError;
-use crate::math::Rgb;
+use crate::math::{Frame, Rgb};
+use crate::sampling::warp;
 use crate::texture::Texture;
 
 /// The classic blurred reflection and refraction: w = (r + f ξ)/|r + f ξ|, with r the ideal direction, f the blur
@@ -124,14 +124,13 @@ impl BlurDisk<Rgb> {
 
     fn perturbed(&self, wo: Vec3, interface: Interface, branch: Branch, u: [f32; 2]) -> Option<BsdfSample> {
         let r = self.ideal(wo, interface, branch)?;
-        let [x, y] = warp::square_to_disk(u);
-        let (s, t) = r.any_orthonormal_pair();
-        let wi = (r + (s * x + t * y) * self.blur).normalize();
+        let on_disk = warp::square_to_disk(u) * self.blur;
+        let wi = Frame::from_z(r).to_world(on_disk.extend(1.0)).normalize();
         if wi.z * r.z <= 0.0 {
             return None;
         }
         let transmitted = branch == Branch::Refract;
-        let pdf = self.peak() * inverse_cos_cubed(self.blur * self.blur * (x * x + y * y));
+        let pdf = self.peak() * inverse_cos_cubed(on_disk.length_squared());
         let weight = self.weight(interface, branch);
         let eta_rel = if transmitted { interface.eta_rel } else { 1.0 };
         Some(BsdfSample { wi, weight, pdf, lobe: Lobe::Spread, transmitted, eta_rel })
@@ -224,14 +223,14 @@ mod tests {
             let (surface, wo) = (surface(blur, eta), tilted(angle));
             for branch in [Branch::Reflect, Branch::Refract] {
                 let Some(r) = ideal(wo, surface.interface(wo), branch) else { continue };
-                let (s, t) = r.any_orthonormal_pair();
+                let frame = Frame::from_z(r);
                 let rows = 2000_u16;
                 let mut sum = 0.0;
                 for i in 0..rows {
                     // Rings of equal width up to the rim: tan γ = f x, dω = cos³γ f² x dx dφ.
                     let x = (f32::from(i) + 0.5) / f32::from(rows);
                     for phi in [0.1_f32, 1.7, 3.3, 4.9] {
-                        let at = r + (s * phi.cos() + t * phi.sin()) * (blur * x);
+                        let at = frame.to_world(Vec3::new(blur * x * phi.cos(), blur * x * phi.sin(), 1.0));
                         let cos = 1.0 / at.length();
                         let pdf = surface.branch_pdf(wo, at.normalize());
                         sum += f64::from(pdf * cos.powi(3) * blur * blur * x) / f64::from(rows) / 4.0;

@@ -5,9 +5,9 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::bsdf::{BsdfSample, Lobe};
-use super::warp;
 use crate::error::ParamError;
 use crate::math::Rgb;
+use crate::sampling::warp;
 use crate::texture::Texture;
 
 /// An ideally diffuse reflector: f = ρ/π above the surface, 0 below it.

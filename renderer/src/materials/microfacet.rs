@@ -71,19 +71,22 @@ impl Ggx {
     }
 }
 
-/// The unit vector half way between two directions above the surface.
+/// The unit vector h half way between two directions above the surface, and the cosine |a + b|/2 between it and
+/// either.
 ///
 /// # Precision, limits
-/// Two opposite grazing directions may sum to less than the square root of the smallest f32; such a sum is scaled
-/// up before its length is taken.
-pub fn half_vector(a: Vec3, b: Vec3) -> Vec3 {
+/// The same bits for both orders of the directions. Two opposite grazing directions may sum to less than the square
+/// root of the smallest f32; such a sum is scaled up before its length is taken.
+pub fn half_vector(a: Vec3, b: Vec3) -> (Vec3, f32) {
     let sum = a + b;
     let length_squared = sum.length_squared();
     if length_squared > f32::MIN_POSITIVE {
-        sum / length_squared.sqrt()
-    } else {
-        (sum / sum.abs().max_element()).normalize()
+        let length = length_squared.sqrt();
+        return (sum / length, length / 2.0);
     }
+    let size = sum.abs().max_element();
+    let scaled = sum / size;
+    (scaled.normalize(), scaled.length() * size / 2.0)
 }
 
 #[cfg(test)]
@@ -155,8 +158,8 @@ mod tests {
     #[test]
     fn half_vectors_of_opposite_grazing_directions_are_units() {
         for z in [1e-10_f32, 1e-20, 1e-30, 1e-44] {
-            let h = half_vector(Vec3::new(1.0, 0.0, z), Vec3::new(-1.0, 0.0, z));
-            assert_eq!(h, Vec3::Z, "{z}");
+            let half = half_vector(Vec3::new(1.0, 0.0, z), Vec3::new(-1.0, 0.0, z));
+            assert_eq!(half, (Vec3::Z, z), "{z}");
         }
     }
 

@@ -199,14 +199,3 @@ impl Material {
         matches!(self, Self::Dielectric(m) if m.is_absent())
     }
 }
-
-pub(crate) mod warp {
-    pub(crate) fn square_to_disk(u: [f32; 2]) -> [f32; 2] {
-        let (s, c) = libm::sincosf(std::f32::consts::TAU * u[1]);
-        [u[0].sqrt() * c, u[0].sqrt() * s]
-    }
-    pub(crate) fn square_to_cosine_hemisphere(u: [f32; 2]) -> glam::Vec3 {
-        let [x, y] = square_to_disk(u);
-        glam::Vec3::new(x, y, (1.0 - u[0]).sqrt())
-    }
-}

@@ -6,9 +6,9 @@ use glam::Vec3;
 
 use super::bsdf::{BsdfSample, Lobe, reflected};
 use super::conductor::check_range;
-use super::warp;
 use crate::error::ParamError;
-use crate::math::Rgb;
+use crate::math::{Frame, Rgb};
+use crate::sampling::warp;
 use crate::texture::Texture;
 
 /// The modified Phong model: f = ρd/π + ρs (n + 2)/(2π) cosⁿα, α the angle between `wi` and the mirrored `wo`
@@ -93,15 +93,9 @@ impl Phong<Rgb> {
         Some(BsdfSample { wi, weight, pdf, lobe: Lobe::Spread, transmitted: false, eta_rel: 1.0 })
     }
 
-    /// cos α = (1 − u₀)^(1/(n+1)), the azimuth 2π u₁, about the mirrored direction.
+    /// A direction with density (n + 1)/(2π) cosⁿα about the mirrored direction.
     fn sample_highlight(&self, wo: Vec3, u: [f32; 2]) -> Vec3 {
-        let log_cos = libm::log1pf(-u[0]) / (self.exponent + 1.0);
-        let cos = libm::expf(log_cos);
-        let sin = (-libm::expm1f(2.0 * log_cos)).sqrt();
-        let (sin_phi, cos_phi) = libm::sincosf(TAU * u[1]);
-        let r = reflected(wo);
-        let (s, t) = r.any_orthonormal_pair();
-        (s * (sin * cos_phi) + t * (sin * sin_phi) + r * cos).normalize()
+        Frame::from_z(reflected(wo)).to_world(warp::square_to_phong(u, self.exponent)).normalize()
     }
 
     /// cosⁿα for cos α > 0, else 0; from |wi − r|², which keeps the digits of small angles.

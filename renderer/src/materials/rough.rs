@@ -50,9 +50,9 @@ impl RoughConductor<Rgb> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return Rgb::BLACK;
         }
-        let h = half_vector(wo, wi);
+        let (h, cos) = half_vector(wo, wi);
         let shadowing = self.facets.g1_over_2cos(wo) * self.facets.g1_over_2cos(wi);
-        self.reflectance * self.fresnel(wo, h) * (self.facets.d(h) * shadowing)
+        self.reflectance * self.fresnel(cos) * (self.facets.d(h) * shadowing)
     }
 
     /// G₁(wo) D(h)/(4 cos θₒ): the density of visible normals, carried over to mirrored directions.
@@ -63,7 +63,7 @@ impl RoughConductor<Rgb> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return 0.0;
         }
-        self.facets.d(half_vector(wo, wi)) * self.facets.g1_over_2cos(wo) / 2.0
+        self.facets.d(half_vector(wo, wi).0) * self.facets.g1_over_2cos(wo) / 2.0
     }
 
     /// Mirrors `wo` at a visible microfacet; the weight is ρ F G₁(wi).
@@ -75,16 +75,17 @@ impl RoughConductor<Rgb> {
             return None;
         }
         let h = self.facets.sample_visible(wo, u);
-        let wi = (h * (2.0 * wo.dot(h)) - wo).normalize();
+        let cos = wo.dot(h);
+        let wi = (h * (2.0 * cos) - wo).normalize();
         let pdf = self.pdf(wo, wi);
-        let weight = self.reflectance * self.fresnel(wo, h) * self.facets.g1(wi);
+        let weight = self.reflectance * self.fresnel(cos) * self.facets.g1(wi);
         let lobe = Lobe::Spread;
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe, transmitted: false, eta_rel: 1.0 })
     }
 
-    /// Fresnel's reflectance at a microfacet of normal `h`; rounding can put the cosine of unit vectors above 1.
-    fn fresnel(&self, wo: Vec3, h: Vec3) -> Rgb {
-        self.metal.reflectance(wo.dot(h).clamp(0.0, 1.0))
+    /// Fresnel's reflectance of a microfacet; rounding can put the cosine of unit vectors above 1, or below 0.
+    fn fresnel(&self, cos: f32) -> Rgb {
+        self.metal.reflectance(cos.clamp(0.0, 1.0))
     }
 }
 
