@@ -87,11 +87,11 @@ impl Bitmap {
         Ok(Self { size, pixels, to_uv, filter, wrap })
     }
 
-    /// The value at the surface coordinates `uv`.
+    /// The value at the surface coordinates `uv`, whose transform must be finite.
     pub fn eval(&self, uv: [f32; 2]) -> Rgb {
         let p = self.to_uv.transform_point2(Vec2::from(uv));
-        let x = p.x * self.size[0] as f32;
-        let y = p.y * self.size[1] as f32;
+        let x = brought_near(p.x, self.wrap) * self.size[0] as f32;
+        let y = brought_near(p.y, self.wrap) * self.size[1] as f32;
         match self.filter {
             Filter::Nearest => self.texel(x.floor(), y.floor()),
             Filter::Bilinear => {
@@ -121,6 +121,15 @@ impl Bitmap {
         #[expect(clippy::cast_possible_truncation, reason = "a mean of f32 values is in their range")]
         let mean = (sum / self.pixels.len() as f64) as f32;
         mean
+    }
+}
+
+/// A coordinate in [−1, 2] that shows the same, so that no product with a size overflows.
+fn brought_near(p: f32, wrap: Wrap) -> f32 {
+    match wrap {
+        Wrap::Repeat => p - p.floor(),
+        Wrap::Mirror => p.rem_euclid(2.0),
+        Wrap::Clamp => p.clamp(-1.0, 2.0),
     }
 }
 
