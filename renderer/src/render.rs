@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::error::ParamError;
 use crate::film::{PixelEstimate, PixelSum, Reconstruction};
 use crate::integrator::{Batch, Integrator};
-use crate::sampling::{Independent, SampleId, Sampler, SamplerKind, Sobol};
+use crate::sampling::{Independent, SampleId, Sampler, SamplerKind, Sobol, Stratified};
 use crate::scene::Scene;
 
 /// Side of a tile in pixels.
@@ -71,6 +71,10 @@ pub fn render<I: Integrator>(
     match settings.sampler {
         SamplerKind::Independent => {
             render_with(scene, integrator, &Independent::new(settings.seed), settings, progress)
+        }
+        SamplerKind::Stratified => {
+            let sampler = Stratified::new(settings.seed, settings.samples);
+            render_with(scene, integrator, &sampler, settings, progress)
         }
         SamplerKind::Sobol => {
             render_with(scene, integrator, &Sobol::new(settings.seed, first), settings, progress)

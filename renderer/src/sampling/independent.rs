@@ -8,7 +8,7 @@ use crate::math::float::unit_f32;
 ///
 /// # Source
 /// A counter-based generator (Salmon, Moraes, Dror and Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3",
-/// doi 10.1145/2063384.2063405) on the mixing function of SplitMix64.
+/// doi 10.1145/2063384.2063405) on the mixing function of `SplitMix64`.
 #[derive(Debug, Clone, Copy)]
 pub struct Independent {
     key: Key,

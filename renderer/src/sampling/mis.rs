@@ -1,22 +1,46 @@
-//! Weights for samples of one integral that were drawn in more than one way.
+//! Weights that combine several ways of sampling the same integral.
 
-/// The power heuristic with exponent 2 for two strategies of one sample each: a² / (a² + b²).
+/// The balance heuristic: `pdf` / (`pdf` + `other`).
 ///
-/// * `a`: density of the strategy that drew the sample, above 0; `b`: density of the other one there, at least 0;
-///   both in the same measure, infinity included.
-/// Returns: the weight of the sample, in [0, 1]; ½ where both are infinite.
+/// * `pdf`: density of the sample by the way it was drawn; `other`: by the other way. Same measure, not negative;
+///   infinity stands for a way that meets nothing else.
 ///
-/// # Precision, limits
-/// The squares are never formed, so that densities from 1e-38 to infinity keep their ratio.
+/// Returns: a weight in [0, 1]; those of both ways sum to 1. 0 where `pdf` is 0; ½ where both are infinite.
 ///
 /// # Source
-/// Veach 1997, "Robust Monte Carlo methods for light transport simulation", section 9.2.4.
-pub fn power_heuristic(a: f32, b: f32) -> f32 {
-    if a == b {
-        return 0.5;
+/// Veach 1997, "Robust Monte Carlo methods for light transport simulation", equation 9.8.
+///
+/// # Verified by
+/// `sampling::mis::tests`
+#[inline]
+pub fn balance_heuristic(pdf: f32, other: f32) -> f32 {
+    share(pdf, other, |ratio| ratio)
+}
+
+/// The power heuristic of exponent 2: `pdf`² / (`pdf`² + `other`²).
+///
+/// Arguments and edges as of [`balance_heuristic`]. The ratio is squared, not the densities, so that nothing overflows.
+///
+/// # Source
+/// Veach 1997, "Robust Monte Carlo methods for light transport simulation", equation 9.13.
+///
+/// # Verified by
+/// `sampling::mis::tests`
+#[inline]
+pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
+    share(pdf, other, |ratio| ratio * ratio)
+}
+
+#[inline]
+fn share(pdf: f32, other: f32, of_ratio: impl Fn(f32) -> f32) -> f32 {
+    debug_assert!(pdf >= 0.0 && other >= 0.0, "densities {pdf} and {other}");
+    if pdf == 0.0 {
+        0.0
+    } else if pdf == other {
+        0.5
+    } else {
+        1.0 / (1.0 + of_ratio(other / pdf))
     }
-    let ratio = b / a;
-    1.0 / (1.0 + ratio * ratio)
 }
 
 #[cfg(test)]
@@ -24,18 +48,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_two_weights_add_up_to_one() {
-        for (a, b) in [(1.0, 3.0), (1e-30, 1e-31), (1e30, 1e25), (7.0, 0.0)] {
-            let sum = power_heuristic(a, b) + power_heuristic(b, a);
-            assert!((sum - 1.0).abs() <= 2.0 * f32::EPSILON, "{a} {b}: {sum}"); // two quotients and a sum
+    fn plain_values() {
+        assert_eq!(balance_heuristic(3.0, 1.0), 0.75);
+        assert_eq!(power_heuristic(3.0, 1.0), 0.9);
+    }
+
+    #[test]
+    fn edges() {
+        for heuristic in [balance_heuristic, power_heuristic] {
+            assert_eq!(heuristic(0.0, 0.0), 0.0);
+            assert_eq!(heuristic(0.0, 2.0), 0.0);
+            assert_eq!(heuristic(2.0, 0.0), 1.0);
+            assert_eq!(heuristic(f32::INFINITY, 2.0), 1.0);
+            assert_eq!(heuristic(2.0, f32::INFINITY), 0.0);
+            assert_eq!(heuristic(f32::INFINITY, f32::INFINITY), 0.5);
+            assert_eq!(heuristic(0.0, f32::INFINITY), 0.0);
         }
     }
 
     #[test]
-    fn infinite_and_zero_densities_have_a_weight() {
-        assert_eq!(power_heuristic(f32::INFINITY, 1.0), 1.0);
-        assert_eq!(power_heuristic(1.0, f32::INFINITY), 0.0);
-        assert_eq!(power_heuristic(f32::INFINITY, f32::INFINITY), 0.5);
-        assert_eq!(power_heuristic(2.0, 0.0), 1.0);
+    fn both_weights_sum_to_one() {
+        for heuristic in [balance_heuristic, power_heuristic] {
+            for exponent in -40..40 {
+                let (pdf, other) = (1.7 * 2.0_f32.powi(3 * exponent), 0.3);
+                // Two quotients of two roundings each, of weights below 1: 4 · 2⁻²⁴.
+                let sum = heuristic(pdf, other) + heuristic(other, pdf);
+                assert!((sum - 1.0).abs() <= 2.0 * f32::EPSILON, "{pdf}: {sum}");
+            }
+        }
     }
 }

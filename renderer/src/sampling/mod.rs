@@ -1,23 +1,36 @@
 //! Rank 1: numbers by named decision, and the maps that turn them into points, directions and choices.
 
 pub mod decision;
+pub mod discrete;
+pub mod generators;
 mod hash;
 pub mod independent;
 pub mod mis;
 mod owen;
+mod permutation;
+pub mod piecewise;
 pub mod sobol;
 mod sobol_matrix;
+pub mod stratified;
 pub mod warp;
+pub mod within_plan;
 
 pub use decision::{Decision, DecisionSet, Vertex};
+pub use discrete::{Discrete, DiscreteSample};
+pub use generators::Generator;
 pub use independent::Independent;
+pub use piecewise::{Piecewise1d, Piecewise2d};
 pub use sobol::Sobol;
+pub use stratified::Stratified;
+pub use within_plan::WithinPlan;
 
 /// The families of point sets that a scene can ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum SamplerKind {
     /// Independent uniform numbers.
     Independent,
+    /// One jittered number in each of as many equal strata as there are samples.
+    Stratified,
     /// Owen-scrambled Sobol points, joint over the decisions before the first bounce.
     #[default]
     Sobol,
@@ -25,12 +38,13 @@ pub enum SamplerKind {
 
 impl SamplerKind {
     /// Every kind.
-    pub const ALL: [Self; 2] = [Self::Independent, Self::Sobol];
+    pub const ALL: [Self; 3] = [Self::Independent, Self::Stratified, Self::Sobol];
 
     /// Its name in scene files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Independent => "independent",
+            Self::Stratified => "stratified",
             Self::Sobol => "sobol",
         }
     }
