@@ -19,3 +19,6 @@ pub const RECORDED: f64 = 0.02;
 
 /// Largest error of a filter's weighted moments, in units of the moment of 1.
 pub const FILTER_MOMENT: f64 = 0.002;
+
+/// Largest difference of two renders that should have the same mean, relative to it.
+pub const RELATION: f64 = 0.01;

@@ -2,11 +2,13 @@
 
 use verify::claim::Claim;
 
+mod effect;
 mod filter;
 mod irradiance;
 mod lens;
 mod pointwise;
 mod recorded;
+mod relation;
 mod warp;
 
 /// The groups that a claim's name may begin with.
@@ -34,7 +36,17 @@ pub const GROUPS: [&str; 19] = [
 
 /// Every claim, by group.
 pub fn all() -> Vec<Claim> {
-    [warp::claims(), lens::claims(), filter::claims(), irradiance::claims()].into_iter().flatten().collect()
+    [
+        warp::claims(),
+        lens::claims(),
+        filter::claims(),
+        irradiance::claims(),
+        relation::claims(),
+        effect::claims(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 #[cfg(test)]

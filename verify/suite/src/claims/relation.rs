@@ -1,0 +1,194 @@
+//! Relations between renders that hold whatever the right image is.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use renderer::film::FilmSettings;
+use renderer::materials::Material;
+use renderer::math::Rgb;
+use renderer::sampling::SamplerKind;
+use renderer::scene::{IntegratorSettings, LightSettings, Scene, SceneDescription, Strategy};
+use renderer::shapes::ShapeSettings;
+use renderer::texture::Texture;
+use verify::claim::{Claim, claim};
+use verify::mean::{MeanClaim, joint_control, joint_evidence};
+
+use crate::bounds;
+use crate::setup::{built, diffuse, fixed, image, lamp, mean, rectangle_at, spot, thing};
+
+/// The claims of the group.
+pub(super) fn claims() -> Vec<Claim> {
+    vec![
+        same(
+            "relation/strategy/same-mean",
+            "light points, the material's directions, and both weighted give the same mean",
+            vec![
+                with_strategy(Strategy::Light),
+                with_strategy(Strategy::Material),
+                with_strategy(Strategy::Both),
+            ],
+        ),
+        same(
+            "relation/light/split",
+            "a light cut in two gives what it gave whole",
+            vec![Version::of(room()), Version::of(split_light())],
+        ),
+        same(
+            "relation/light/additive",
+            "two lights give the sum of what each gives",
+            vec![
+                Version::of(two_lights([1.0, 1.0])),
+                Version {
+                    parts: vec![built(&two_lights([1.0, 0.0])), built(&two_lights([0.0, 1.0]))],
+                    ..Version::of(room())
+                },
+            ],
+        ),
+        same("relation/sampler/same-mean", "every sampler gives the same mean", samplers()),
+        same(
+            "relation/camera/rigid",
+            "a scene and its camera, moved and turned together, give the same mean",
+            vec![
+                Version::of(room()),
+                Version::of(moved(DAffine3::from_translation(DVec3::new(100.0, -40.0, 7.0)))),
+                Version::of(moved(DAffine3::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 2.0))),
+            ],
+        ),
+        same(
+            "relation/scale/powers-of-two",
+            "a scene 1024 times as large or small gives the same mean",
+            vec![
+                Version::of(room()),
+                Version::of(moved(DAffine3::from_scale(DVec3::splat(1024.0)))),
+                Version::of(moved(DAffine3::from_scale(DVec3::splat(1.0 / 1024.0)))),
+            ],
+        ),
+        same(
+            "relation/roulette/same-mean",
+            "Russian roulette changes the cost and not the mean",
+            vec![roulette_from(u32::MAX), roulette_from(1)],
+        ),
+    ]
+}
+
+/// One of several versions of a render that should have the same mean: the sum of its parts.
+struct Version {
+    parts: Vec<Scene>,
+    sampler: SamplerKind,
+}
+
+impl Version {
+    fn of(description: SceneDescription) -> Self {
+        Self { parts: vec![built(&description)], sampler: SamplerKind::Sobol }
+    }
+
+    fn mean(&self, seed: u64) -> f64 {
+        self.parts.iter().map(|scene| mean(&image(scene, self.sampler, SAMPLES, seed))).sum()
+    }
+}
+
+/// Samples a pixel and replicate.
+const SAMPLES: u32 = 64;
+
+/// The claim that all versions have the mean of the first.
+fn same(id: &'static str, says: &'static str, versions: Vec<Version>) -> Claim {
+    let unit = versions[0].mean(0);
+    let others = versions.len() - 1;
+    // sums of f32 products along paths of a few vertices
+    let rounding = 16.0 * f64::from(f32::EPSILON);
+    let differences: Arc<Vec<MeanClaim>> =
+        Arc::new(vec![MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::RELATION) }; others]);
+    let versions = Arc::new(versions);
+    // seeds of the two sides differ, so that their errors are independent
+    let difference = move |other: usize, seed: u64, factor: f64| {
+        factor * versions[other + 1].mean(seed) - versions[0].mean(!seed)
+    };
+    let difference = Arc::new(difference);
+    let (control, brighter) = (difference.clone(), difference.clone());
+    let (claims, claims2) = (differences.clone(), differences.clone());
+    claim(id, says)
+        .bound(bounds::RELATION)
+        .rejects("2.2 × resolution", move |run| joint_control(&claims, run, |i, seed| control(i, seed, 1.0)))
+        .rejects("one of them 5 % brighter", move |run| {
+            joint_evidence(&claims2, run, |i, seed| brighter(i, seed, 1.05))
+        })
+        .by(move |run| joint_evidence(&differences, run, |i, seed| difference(i, seed, 1.0)))
+}
+
+/// A floor, a wall, a diffuse and a rough metal ball under a square light, and a dim sky; paths of up to 4 edges.
+fn room() -> SceneDescription {
+    let metal =
+        Material::new_phong(Texture::Constant(Rgb::splat(0.3)), Texture::Constant(Rgb::splat(0.4)), 10.0);
+    let metal = Arc::new(metal.expect("0.3 + 0.4 is at most 1"));
+    let ball = |x: f64| ShapeSettings::Sphere { center: DVec3::new(x, 0.5, 0.0), radius: 0.5 };
+    let floor = rectangle_at(DVec3::ZERO, 3.0 * DVec3::Z, 3.0 * DVec3::X);
+    let wall = rectangle_at(DVec3::new(0.0, 1.0, -1.5), 3.0 * DVec3::X, 2.0 * DVec3::Y);
+    let objects = vec![
+        thing(ShapeSettings::Rectangle, floor, diffuse(0.5)),
+        thing(ShapeSettings::Rectangle, wall, diffuse(0.6)),
+        thing(ball(-0.6), DAffine3::IDENTITY, diffuse(0.7)),
+        thing(ball(0.6), DAffine3::IDENTITY, metal),
+        lamp(
+            ShapeSettings::Rectangle,
+            rectangle_at(DVec3::new(0.0, 2.5, 0.5), 0.8 * DVec3::X, 0.8 * DVec3::Z),
+        ),
+    ];
+    let integrator = IntegratorSettings { max_depth: Some(4), ..IntegratorSettings::PATH };
+    let mut description = spot(DVec3::new(0.3, 1.5, 4.0), DVec3::new(0.0, 0.6, 0.0), objects, integrator);
+    description.film = FilmSettings { width: 8, height: 8, ..description.film };
+    if let renderer::camera::Projection::Perspective { fov, .. } = &mut description.camera.projection {
+        *fov = 40.0;
+    }
+    description.lights.push(LightSettings::Constant { radiance: Rgb::splat(0.1) });
+    description
+}
+
+fn with_strategy(strategy: Strategy) -> Version {
+    let mut description = room();
+    description.integrator.strategy = strategy;
+    Version::of(description)
+}
+
+fn roulette_from(rr_depth: u32) -> Version {
+    let mut description = room();
+    description.integrator.rr_depth = rr_depth;
+    Version::of(description)
+}
+
+fn split_light() -> SceneDescription {
+    let mut description = room();
+    description.objects.pop();
+    for x in [-0.4, 0.4] {
+        let half = rectangle_at(DVec3::new(x, 2.5, 0.5), 0.4 * DVec3::X, 0.8 * DVec3::Z);
+        description.objects.push(lamp(ShapeSettings::Rectangle, half));
+    }
+    description
+}
+
+/// The room's light and a small bright ball, each times a factor; no sky.
+fn two_lights(factors: [f32; 2]) -> SceneDescription {
+    let mut description = room();
+    description.lights.clear();
+    let ball = ShapeSettings::Sphere { center: DVec3::new(-1.5, 1.2, 1.0), radius: 0.2 };
+    description.objects.push(lamp(ball, DAffine3::IDENTITY));
+    let lamps = description.objects.iter_mut().rev().take(2);
+    for (lamp, factor) in lamps.zip(factors) {
+        lamp.radiance = Rgb::splat(4.0 * factor);
+    }
+    description
+}
+
+fn samplers() -> Vec<Version> {
+    SamplerKind::ALL.into_iter().map(|sampler| Version { sampler, ..Version::of(room()) }).collect()
+}
+
+/// The room with everything in it, the camera too, moved by `outer`.
+fn moved(outer: DAffine3) -> SceneDescription {
+    let mut description = room();
+    let then = |motion: &renderer::math::transform::Motion| fixed(outer * motion.at(0.0));
+    for object in &mut description.objects {
+        object.to_world = then(&object.to_world);
+    }
+    description.camera.to_world = then(&description.camera.to_world);
+    description
+}
