@@ -11,13 +11,24 @@ use crate::Error;
 
 const ACCEPTED: &str = "a PNG or JPEG file of 1 to 2^28 pixels, or an EXR file by its name";
 
-/// Writes `image` to `path` as an 8-bit sRGB PNG, after scaling by 2^`exposure`.
+/// Writes `image` to `path` as an 8-bit sRGB PNG; see [`encode`].
+///
+/// # Errors
+/// `Error::Io` if the file cannot be written; else as [`encode`].
+pub fn write(path: &Path, image: &Image, exposure: f32) -> Result<(), Error> {
+    let bytes = encode(path, image, exposure)?;
+    std::fs::write(path, bytes).map_err(|source| Error::Io { path: path.into(), source })
+}
+
+/// The bytes of an 8-bit sRGB PNG of `image`, after scaling by 2^`exposure`.
 ///
 /// Values below 0 become 0, values above 1 become 1, NaN becomes 0: a picture to look at, not data.
 ///
+/// * `path`: what messages call it.
+///
 /// # Errors
-/// `Error::Io` if the file cannot be written; `Error::Format` if the image has no pixel or more than 2^32 in a row.
-pub fn write(path: &Path, image: &Image, exposure: f32) -> Result<(), Error> {
+/// `Error::Format` if the image has no pixel or more than 2^32 in a row.
+pub fn encode(path: &Path, image: &Image, exposure: f32) -> Result<Vec<u8>, Error> {
     let scale = libm::exp2f(exposure);
     let bytes = image.rgb.iter().flatten().map(|&value| srgb_byte(value * scale)).collect();
     let size = u32::try_from(image.width).ok().zip(u32::try_from(image.height).ok());
@@ -25,7 +36,9 @@ pub fn write(path: &Path, image: &Image, exposure: f32) -> Result<(), Error> {
     let Some(picture) = picture.filter(|p| p.width() > 0 && p.height() > 0) else {
         return Err(format_error(path, "an image without pixels; 1 pixel or more is accepted"));
     };
-    picture.save_with_format(path, image::ImageFormat::Png).map_err(|error| picture_error(path, error))
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|error| picture_error(path, error))?;
+    Ok(bytes.into_inner())
 }
 
 /// Reads the texture `path`; see [`decode`].

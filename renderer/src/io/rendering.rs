@@ -2,7 +2,7 @@
 
 use super::image::{Image, Metadata, Provenance};
 use crate::film::PixelEstimate;
-use crate::render::Rendering;
+use crate::render::{RenderSettings, Rendering};
 
 /// The image of `rendering` with `provenance`.
 ///
@@ -18,5 +18,20 @@ pub fn image(rendering: &Rendering, provenance: Provenance) -> Image {
         stderr: rendering.pixels.iter().map(errors).collect(),
         samples: Some(rendering.pixels.iter().map(|p| p.samples as f32).collect()),
         metadata: Metadata { provenance: Some(provenance), ..Metadata::default() },
+    }
+}
+
+impl Provenance {
+    /// Of `rendering`, made with `settings` from the scene of that hash.
+    pub fn of(scene_hash: u64, settings: &RenderSettings, rendering: &Rendering) -> Self {
+        Self {
+            scene_hash: format!("{scene_hash:016x}"),
+            seed: settings.seed,
+            sampler: settings.sampler.name().into(),
+            replicates: settings.replicates,
+            sample_range: [0, u64::from(settings.samples) * u64::from(settings.replicates)],
+            largest_share: rendering.largest_share,
+            version: env!("CARGO_PKG_VERSION").into(),
+        }
     }
 }

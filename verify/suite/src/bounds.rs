@@ -22,3 +22,6 @@ pub const FILTER_MOMENT: f64 = 0.002;
 
 /// Largest difference of two renders that should have the same mean, relative to it.
 pub const RELATION: f64 = 0.01;
+
+/// Largest difference between the mean of a scene's image and Mitsuba's, in percent of it.
+pub const IMAGE_PERCENT: f64 = 0.5;

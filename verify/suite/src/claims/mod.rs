@@ -4,12 +4,15 @@ use verify::claim::Claim;
 
 mod effect;
 mod filter;
+mod image;
 mod irradiance;
 mod lens;
 mod pointwise;
 mod recorded;
 mod relation;
 mod warp;
+
+pub use image::set_references;
 
 /// The groups that a claim's name may begin with.
 pub const GROUPS: [&str; 19] = [

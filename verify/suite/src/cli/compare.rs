@@ -11,11 +11,10 @@ use super::output::{Words, is_stdout};
 use super::{CliError, Status, write_file};
 use crate::figures::{probability, three};
 use crate::report::Number;
+use crate::side::Side;
 
 mod heatmap;
-mod side;
 
-use side::Side;
 
 const EXAMPLES: &str = "Errors come from the files' stderr channels, from the tile sums of every seed in a JSON file of the image's name
 beside it, or from several files a side, each with another seed.

@@ -52,6 +52,17 @@ pub enum CliError {
         /// The contradiction, and what is accepted.
         message: String,
     },
+    /// A setting that the renderer refuses.
+    #[error(transparent)]
+    Setting(#[from] renderer::ParamError),
+    /// A file of a kind that is not written.
+    #[error("{}: {accepted} is accepted", path.display())]
+    Kind {
+        /// The file.
+        path: PathBuf,
+        /// The accepted endings.
+        accepted: &'static str,
+    },
     /// Arguments that are not what the command takes.
     #[error("{0}")]
     Arguments(String),

@@ -9,6 +9,7 @@ mod compare;
 mod error;
 mod output;
 mod page;
+mod render;
 mod table;
 mod verify;
 
@@ -28,6 +29,7 @@ const EXAMPLES: &str = "Without a command, lightproof runs `verify`.
 Examples:
   lightproof                                  run all claims at the quick level
   lightproof verify --only 'warp/*'           run the claims about warps
+  lightproof render scene.xml -o scene.exr     render a scene in Mitsuba's XML format
   lightproof compare ours.exr theirs.exr      are these the same image?
   lightproof page report.json -o page.html    make the page again from its data
 
@@ -46,6 +48,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Verify(verify::Args),
+    Render(render::Args),
     Compare(compare::Args),
     Page(page::Args),
 }
@@ -55,6 +58,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command.unwrap_or(Command::Verify(cli.verify)) {
         Command::Verify(args) => verify::run(&args),
+        Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Page(args) => page::run(&args),
     };

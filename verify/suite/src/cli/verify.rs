@@ -15,7 +15,7 @@ use super::output::{Words, is_stdout};
 use super::{CliError, Status, table, write_file};
 use crate::report::{self, ClaimReport, Report};
 use crate::runner::{self, Settings};
-use crate::{claims, page};
+use crate::{claims, gallery, page};
 
 const EXAMPLES: &str = "Examples:
   lightproof verify --only 'warp/disk/*' --json -    the claims about disks; JSON alone on standard output
@@ -44,6 +44,9 @@ pub(super) struct Args {
     /// Write the data to this file as well; `-` is standard output (the table goes to standard error)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Folder of reference scenes and images [default: that of the source]
+    #[arg(long, value_name = "DIR")]
+    references: Option<PathBuf>,
     /// List the claims instead of running them
     #[arg(long)]
     list: bool,
@@ -69,6 +72,9 @@ impl ValueEnum for Level {
 
 /// Runs the command.
 pub(super) fn run(args: &Args) -> Result<Status, CliError> {
+    if let Some(folder) = &args.references {
+        claims::set_references(folder);
+    }
     let all = claims::all();
     let chosen = choose(&all, &args.only)?;
     let mut words = Words::beside(args.json.as_deref());
@@ -156,7 +162,7 @@ fn run_claims(args: &Args, chosen: Vec<&Claim>) -> Result<Report, CliError> {
         machine: report::machine(),
         claims,
         errors,
-        gallery: Vec::new(),
+        gallery: gallery::take(),
     })
 }
 

@@ -2,9 +2,9 @@
 
 use verify::image::TILE;
 
-use super::side::Side;
 use crate::page::colour::{self, Colour, DIVERGING};
 use crate::page::heat;
+use crate::side::Side;
 
 /// Differences of this share of the mean and more have the scale's last colour.
 const SHARE: f64 = 0.2;

@@ -16,13 +16,13 @@ const REPLICATES: &str = "lightproof.replicates";
 const ROUNDING: f64 = 1e-6;
 
 /// Images and what is known of their errors.
-pub(super) struct Side {
+pub(crate) struct Side {
     /// As the comparison takes it.
-    pub(super) image: Image,
+    pub(crate) image: Image,
     /// Pixels in a row.
-    pub(super) width: usize,
+    pub(crate) width: usize,
     /// Mean of each pixel over channels and files, row by row.
-    pub(super) grey: Vec<f64>,
+    pub(crate) grey: Vec<f64>,
 }
 
 /// What a JSON file beside an image says; further members are not looked at.
@@ -35,7 +35,7 @@ struct Sidecar {
 
 impl Side {
     /// Reads the files of one side; there is at least one.
-    pub(super) fn read(paths: &[PathBuf]) -> Result<Self, CliError> {
+    pub(crate) fn read(paths: &[PathBuf]) -> Result<Self, CliError> {
         let files = paths.iter().map(|path| exr::read(path)).collect::<Result<Vec<_>, _>>()?;
         let (first, path) = (&files[0], &paths[0]);
         let refused =

@@ -1,0 +1,128 @@
+//! Images of the reference scenes against another renderer's.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use renderer::film::PixelEstimate;
+use renderer::integrator::PathTracer;
+use renderer::io::{Provenance, mitsuba, png, rendering};
+use renderer::render::{RenderSettings, Rendering, render};
+use renderer::scene::Scene;
+use verify::claim::{Claim, Run, claim};
+use verify::error::InputError;
+use verify::image::{Image, compare};
+
+use crate::bounds;
+use crate::gallery;
+use crate::report::Gallery;
+use crate::setup::subject;
+use crate::side::Side;
+
+/// Each scene with what it shows, and the samples a pixel that settle the bound.
+const SCENES: [(&str, &str, u32); 7] = [
+    ("cornell", "the Cornell box: inter-reflection between diffuse surfaces", 64),
+    ("soft-shadow", "a square light over a square blocker: soft shadows", 32),
+    ("thin-lens", "spheres at several depths: depth of field", 32),
+    ("moving", "moving objects: motion blur", 64),
+    ("glass", "glass and rough metal", 128),
+    ("mesh", "triangle meshes with smooth normals", 32),
+    ("textured", "textures", 32),
+];
+
+/// Independent parts of each image; errors come from their spread.
+const REPLICATES: u32 = 4;
+
+static REFERENCES: OnceLock<PathBuf> = OnceLock::new();
+
+/// Says where the reference scenes and images are; the first call counts.
+pub fn set_references(folder: &Path) {
+    REFERENCES.get_or_init(|| folder.to_owned());
+}
+
+fn references() -> &'static Path {
+    REFERENCES.get_or_init(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../references"))
+}
+
+/// The claims of the group.
+///
+/// A reference is drawn once, so that the three runs of a failing claim share its error, which the comparison counts.
+pub(super) fn claims() -> Vec<Claim> {
+    SCENES.into_iter().map(|(name, shows, spp)| against_mitsuba(name, shows, spp)).collect()
+}
+
+fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32) -> Claim {
+    let against = move |run: &Run, change: fn(&mut Pixels)| {
+        let mut ours = ours(name, shows, spp, run)?;
+        change(&mut ours);
+        let theirs = Side::read(&[references().join("mitsuba").join(name).with_extension("exr")]).map_err(subject)?;
+        compare(&ours.image()?, &theirs.image, bounds::IMAGE_PERCENT).map(|comparison| comparison.evidence)
+    };
+    claim(format!("image/{name}/mitsuba"), format!("{shows}: the image is Mitsuba's"))
+        .rejects("1 % brighter", move |run| against(run, |ours| ours.brighten(1.01)))
+        .rejects("one pixel to the side", move |run| against(run, Pixels::shift))
+        .by(move |run| against(run, |_| ()))
+}
+
+/// Means and standard errors, three channels a pixel.
+struct Pixels {
+    size: [usize; 2],
+    means: Vec<f64>,
+    errors: Vec<f64>,
+    largest_share: f64,
+}
+
+impl Pixels {
+    fn image(&self) -> Result<Image, InputError> {
+        Image::with_errors(self.size, 3, self.means.clone(), &self.errors, u64::from(REPLICATES))
+            .map(|image| image.with_largest_share(self.largest_share))
+    }
+
+    fn brighten(&mut self, factor: f64) {
+        self.means.iter_mut().chain(&mut self.errors).for_each(|v| *v *= factor);
+    }
+
+    /// Every pixel takes its left neighbour's place; the first of each row stays.
+    fn shift(&mut self) {
+        for row in self.means.chunks_mut(3 * self.size[0]).chain(self.errors.chunks_mut(3 * self.size[0])) {
+            row.copy_within(..row.len() - 3, 3);
+        }
+    }
+}
+
+/// Our image of a scene, which the page shows too.
+fn ours(name: &str, shows: &str, spp: u32, run: &Run) -> Result<Pixels, InputError> {
+    let path = references().join("scenes").join(name).with_extension("xml");
+    let (description, _) = mitsuba::read_scene(&path, &[]).map_err(subject)?;
+    let scene = Scene::new(&description).map_err(subject)?;
+    let samples = spp / REPLICATES * u32::try_from(run.effort).map_err(subject)?;
+    let settings = RenderSettings {
+        sampler: description.sampler.kind,
+        samples,
+        replicates: REPLICATES,
+        seed: run.seed,
+        threads: 0,
+    };
+    let integrator = PathTracer { settings: scene.integrator };
+    let rendering = render(&scene, &integrator, &settings, &|_| ()).map_err(subject)?;
+    show(name, shows, &rendering, &settings, description.hash)?;
+    let numbers = |of: fn(&PixelEstimate) -> [f64; 3]| rendering.pixels.iter().flat_map(of).collect();
+    Ok(Pixels {
+        size: [rendering.width as usize, rendering.height as usize],
+        means: numbers(|p| p.mean),
+        errors: numbers(|p| p.standard_error.unwrap_or([f64::NAN; 3])),
+        largest_share: rendering.largest_share,
+    })
+}
+
+fn show(
+    name: &str,
+    shows: &str,
+    rendering: &Rendering,
+    settings: &RenderSettings,
+    hash: u64,
+) -> Result<(), InputError> {
+    let image = rendering::image(rendering, Provenance::of(hash, settings, rendering));
+    let png = png::encode(Path::new(name), &image, 0.0).map_err(subject)?;
+    gallery::keep(Gallery { name: name.into(), caption: shows.into(), png });
+    Ok(())
+}
