@@ -29,6 +29,9 @@ const SCENES: [(&str, &str, u32); 7] = [
     ("textured", "textures", 32),
 ];
 
+/// Side of the reference images in pixels.
+const SIDE: &str = "128";
+
 /// Independent parts of each image; errors come from their spread.
 const REPLICATES: u32 = 4;
 
@@ -54,7 +57,8 @@ fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32) -> Claim {
     let against = move |run: &Run, change: fn(&mut Pixels)| {
         let mut ours = ours(name, shows, spp, run)?;
         change(&mut ours);
-        let theirs = Side::read(&[references().join("mitsuba").join(name).with_extension("exr")]).map_err(subject)?;
+        let theirs =
+            Side::read(&[references().join("mitsuba").join(name).with_extension("exr")]).map_err(subject)?;
         compare(&ours.image()?, &theirs.image, bounds::IMAGE_PERCENT).map(|comparison| comparison.evidence)
     };
     claim(format!("image/{name}/mitsuba"), format!("{shows}: the image is Mitsuba's"))
@@ -92,7 +96,7 @@ impl Pixels {
 /// Our image of a scene, which the page shows too.
 fn ours(name: &str, shows: &str, spp: u32, run: &Run) -> Result<Pixels, InputError> {
     let path = references().join("scenes").join(name).with_extension("xml");
-    let (description, _) = mitsuba::read_scene(&path, &[]).map_err(subject)?;
+    let (description, _) = mitsuba::read_scene(&path, &[("res".into(), SIDE.into())]).map_err(subject)?;
     let scene = Scene::new(&description).map_err(subject)?;
     let samples = spp / REPLICATES * u32::try_from(run.effort).map_err(subject)?;
     let settings = RenderSettings {

@@ -46,6 +46,7 @@ pub fn all() -> Vec<Claim> {
         irradiance::claims(),
         relation::claims(),
         effect::claims(),
+        image::claims(),
     ]
     .into_iter()
     .flatten()

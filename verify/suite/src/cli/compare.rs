@@ -15,7 +15,6 @@ use crate::side::Side;
 
 mod heatmap;
 
-
 const EXAMPLES: &str = "Errors come from the files' stderr channels, from the tile sums of every seed in a JSON file of the image's name
 beside it, or from several files a side, each with another seed.
 

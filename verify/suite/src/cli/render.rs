@@ -92,7 +92,10 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     let progress = |share: f64| bar.set_position((share * 1000.0) as u64);
     let rendering = render::render(&scene, &integrator, &settings, &progress)?;
     bar.finish_and_clear();
-    encode(&output, &io::rendering::image(&rendering, Provenance::of(description.hash, &settings, &rendering)))?;
+    encode(
+        &output,
+        &io::rendering::image(&rendering, Provenance::of(description.hash, &settings, &rendering)),
+    )?;
     summarise(&rendering, &output, start.elapsed().as_secs_f64())?;
     Ok(Status::Good)
 }
@@ -145,7 +148,8 @@ fn summarise(rendering: &Rendering, output: &Path, seconds: f64) -> Result<(), C
         variance += pixel.standard_error.map_or(0.0, |e| e.iter().map(|e| e * e).sum());
     }
     let count = 3.0 * rendering.pixels.len() as f64;
-    let error = if known { format!(" ± {:.2e}", f64::sqrt(variance) / count) } else { ", error unknown".into() };
+    let error =
+        if known { format!(" ± {:.2e}", f64::sqrt(variance) / count) } else { ", error unknown".into() };
     let mut err = stderr();
     writeln!(err, "{}: mean {:.6}{error}, {seconds:.1} s", output.display(), sum / count)?;
     if rendering.dropped > 0 {
