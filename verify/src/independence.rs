@@ -5,6 +5,10 @@ use crate::error::InputError;
 use crate::power::chi_square_sf;
 use crate::tails::{normal_quantile, normal_tail, positive};
 
+mod joint;
+
+pub use joint::{Tally, judge_tallies};
+
 /// Whether a source's draws are independent of one another, as it declares itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
@@ -127,10 +131,14 @@ impl Table {
         for [x, y] in pairs {
             observed[cell(*y) * k + cell(*x)] += 1.0;
         }
+        Self::of_counts(observed, k)
+    }
+
+    fn of_counts(observed: Vec<f64>, k: usize) -> Self {
         let row = |j: usize| observed[j * k..(j + 1) * k].iter().sum::<f64>();
         let column = |i: usize| observed.iter().skip(i).step_by(k).sum::<f64>();
         let [rows, columns] = [(0..k).map(row).collect::<Vec<_>>(), (0..k).map(column).collect::<Vec<_>>()];
-        let n = pairs.len() as f64;
+        let n: f64 = observed.iter().sum();
         let expected: Vec<f64> = (0..k * k).map(|c| rows[c / k] * columns[c % k] / n).collect();
         // A row or column without any pair says nothing and counts for no degree of freedom.
         let used = |margin: &[f64]| margin.iter().filter(|&&count| count > 0.0).count() as f64 - 1.0;

@@ -6,6 +6,8 @@
 use statrs::function::erf::erf;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
+mod net;
+
 /// A function of two coordinates in [0, 1), with exact moments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Integrand {
