@@ -114,24 +114,26 @@ fn seed_tiles(path: &Path, size: [usize; 2], values: &[f64]) -> Result<Option<Ve
     if sidecar.tile != TILE {
         return Err(contradiction(format!("tile is {}; {TILE} is accepted", sidecar.tile)));
     }
-    let columns = size[0].div_ceil(TILE);
     let pixels = tile_sums(size, values);
-    for (tile, expected) in pixels.chunks(3).enumerate() {
-        let (row, column) = (tile / columns, tile % columns);
-        let Some(means) = mean_over_seeds(&sidecar, row, column) else {
+    let flat = |seed: Vec<Vec<[f64; 3]>>| seed.into_iter().flatten().flatten().collect();
+    let seeds: Vec<Vec<f64>> = sidecar.tile_sums.into_iter().map(flat).collect();
+    if let Some(sums) = seeds.iter().find(|sums| sums.len() != pixels.len()) {
+        let (given, needed) = (sums.len(), pixels.len());
+        return Err(contradiction(format!("tile_sums has {given} values of a seed; {needed} are accepted")));
+    }
+    let count = f64::from(u32::try_from(seeds.len()).unwrap_or(u32::MAX));
+    for (entry, pixels) in pixels.iter().enumerate() {
+        let mean = seeds.iter().map(|sums| sums[entry]).sum::<f64>() / count;
+        let agree = (mean - pixels).abs() <= ROUNDING * pixels.abs();
+        if !agree {
             return Err(contradiction(format!(
-                "tile_sums has no tile in row {row}, column {column} of every seed"
-            )));
-        };
-        if means.iter().zip(expected).any(|(a, b)| (a - b).abs() > ROUNDING * b.abs().max(f64::MIN_POSITIVE))
-        {
-            return Err(contradiction(format!(
-                "the tile in row {row}, column {column} has the mean {means:?} over seeds, but {expected:?} in the image; sums of the same image are accepted"
+                "tile {}, channel {} has the mean {mean} over seeds, but {pixels} in the image; sums of the same image are accepted",
+                entry / 3,
+                entry % 3
             )));
         }
     }
-    let flat = |seed: Vec<Vec<[f64; 3]>>| seed.into_iter().flatten().flatten().collect();
-    Ok(Some(sidecar.tile_sums.into_iter().map(flat).collect()))
+    Ok(Some(seeds))
 }
 
 /// Sums over tiles in rows, channels together.
@@ -143,14 +145,4 @@ fn tile_sums([width, height]: [usize; 2], values: &[f64]) -> Vec<f64> {
         sums[3 * (y / TILE * columns + x / TILE) + i % 3] += value;
     }
     sums
-}
-
-fn mean_over_seeds(sidecar: &Sidecar, row: usize, column: usize) -> Option<[f64; 3]> {
-    let seeds = f64::from(u32::try_from(sidecar.tile_sums.len()).ok().filter(|&n| n > 0)?);
-    let mut sum = [0.0; 3];
-    for seed in &sidecar.tile_sums {
-        let tile = seed.get(row)?.get(column)?;
-        sum.iter_mut().zip(tile).for_each(|(sum, value)| *sum += value);
-    }
-    Some(sum.map(|v| v / seeds))
 }

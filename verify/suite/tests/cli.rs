@@ -194,9 +194,14 @@ fn images_that_cannot_be_compared_are_refused() {
         &lightproof("refused", &["compare", "a0.exr", "a1.exr", "--max-bias=-1"]).0,
         &["bound", "-1"],
     );
-    std::fs::write(folder.join("a1.json"), "{\"tile\": 16, \"tile_sums\": [[[[1, 2, 3]]]]}").expect("writes");
-    assert_refused(
-        &lightproof("refused", &["compare", "a0.exr", "a1.exr"]).0,
-        &["a1.json", "row 0, column 0"],
-    );
+    let sidecar = |sums: serde_json::Value| {
+        let text = serde_json::json!({"tile": 16, "tile_sums": [sums]}).to_string();
+        std::fs::write(folder.join("a1.json"), text).expect("writes");
+        lightproof("refused", &["compare", "a0.exr", "a1.exr"]).0
+    };
+    // 64×48 pixels are 3 rows of 4 tiles of 3 channels.
+    let too_few = sidecar(serde_json::json!([[[1.0, 2.0, 3.0]]]));
+    assert_refused(&too_few, &["a1.json", "3 values", "36 are accepted"]);
+    let of_another = sidecar(serde_json::json!([[[1.0; 3]; 4], [[1.0; 3]; 4], [[1.0; 3]; 4]]));
+    assert_refused(&of_another, &["a1.json", "tile 0, channel 0"]);
 }
