@@ -120,7 +120,8 @@ mod tests {
         let mut count = 0;
         for n in 0..4_u32.pow(6) {
             let digit = |k: u32| n >> (2 * k) & 3;
-            let vertex = Vertex { bounce: halves(u64::from(digit(0)))[0] as u16, split: 0, branch: digit(1) };
+            let bounce = u16::try_from(digit(0)).expect("a digit is below 4");
+            let vertex = Vertex { bounce, split: 0, branch: digit(1) };
             let sample = SampleId { pixel: [digit(2), digit(3)], replicate: digit(4), index: 0 };
             let set = Key::of_seed(u64::from(digit(5)), 1).sample_set(sample);
             for decision in Decision::ALL {

@@ -70,7 +70,7 @@ impl Piecewise2d {
     /// # Errors
     /// As [`Discrete::new`]; `OutOfRange` if `columns` doesn't divide the number of values.
     pub fn new(values: &[f64], columns: usize) -> Result<Self, ParamError> {
-        if columns == 0 || values.len() % columns != 0 {
+        if columns == 0 || !values.len().is_multiple_of(columns) {
             let (name, accepted) = ("columns", "a divisor of the number of values");
             return Err(ParamError::OutOfRange { name, value: columns as f64, accepted });
         }
@@ -130,7 +130,6 @@ fn cell(x: f32, count: usize) -> Option<usize> {
         return None;
     }
     #[expect(clippy::cast_possible_truncation, reason = "below count, because x is below 1")]
-    #[expect(clippy::cast_sign_loss, reason = "x is not negative")]
     let index = (f64::from(x) * count as f64) as usize;
     Some(index)
 }

@@ -99,6 +99,7 @@ impl Sampler for Sobol {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "cells of a grid and small counts")]
 mod tests {
     use super::*;
 

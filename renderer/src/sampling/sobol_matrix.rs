@@ -90,6 +90,7 @@ pub(super) const fn second_dimension_reversed(mut index: u32) -> u32 {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "a dimension is below 16")]
 mod tests {
     use super::*;
     use crate::sampling::hash::{halves, mixed};

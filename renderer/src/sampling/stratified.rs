@@ -79,6 +79,7 @@ impl Sampler for Stratified {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "cells of a grid")]
 mod tests {
     use super::*;
     use crate::math::float::ONE_MINUS_EPSILON;
