@@ -113,3 +113,44 @@ pub fn cone_without_digits([u, v]: [f32; 2], half_angle: f64) -> glam::Vec3 {
     let (sin_phi, cos_phi) = (std::f32::consts::TAU * v).sin_cos();
     glam::Vec3::new(sin * cos_phi, sin * sin_phi, cos)
 }
+
+/// A rectangle filled like a disk, and so without its corners; coordinates in [−1, 1]².
+pub fn rectangle_as_disk([u, v]: [f64; 2]) -> [f64; 2] {
+    polar(u.sqrt(), v)
+}
+
+/// A mesh whose triangles are chosen by their index, each as often as any other, whatever its area.
+pub fn mesh_by_index([w, u, v]: [f64; 3], triangles: &[[[f64; 3]; 3]]) -> Option<[f64; 3]> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "w·n lies in [0, n)")]
+    let [a, b, c] = triangles.get((w * triangles.len() as f64) as usize)?;
+    let (s, t) = (u.sqrt() * (1.0 - v), u.sqrt() * v);
+    Some(std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i])))
+}
+
+/// Diffuse reflection by a point of the ball above the surface, in the place of the sphere: cos³ θ in the place of cos θ.
+pub fn diffuse_from_ball([u, v, w]: [f64; 3]) -> [f64; 3] {
+    let radius = w.cbrt();
+    let [x, y, z] = at_height(2.0 * u - 1.0, v).map(|c| radius * c);
+    let length = (x * x + y * y + (z + 1.0).powi(2)).sqrt();
+    [x / length, y / length, (z + 1.0) / length]
+}
+
+/// A rough mirror by normals in proportion to D(h)·cos θₕ, seen or not; `None` below the surface.
+pub fn ggx_by_all_normals([u, v]: [f64; 2], alpha: f64, wo: [f64; 3]) -> Option<[f64; 3]> {
+    let tan2 = alpha * alpha * u / (1.0 - u);
+    let h = at_height(1.0 / (1.0 + tan2).sqrt(), v);
+    let dot: f64 = wo.iter().zip(h).map(|(a, b)| a * b).sum();
+    let wi: [f64; 3] = std::array::from_fn(|i| 2.0 * dot * h[i] - wo[i]);
+    (wi[2] > 0.0).then_some(wi)
+}
+
+/// Uniform directions of a cone, where a disk's points were wanted: without the 1/cos³ of the disk's tilt.
+pub fn cone_uniform([u, v]: [f64; 2], half_angle: f64) -> [f64; 3] {
+    at_height(1.0 - u * (1.0 - half_angle.cos()), v)
+}
+
+/// Schlick's polynomial in the place of Fresnel's equations.
+pub fn schlick(cos: f64, eta: f64) -> f64 {
+    let r0 = ((eta - 1.0) / (eta + 1.0)).powi(2);
+    r0 + (1.0 - r0) * (1.0 - cos).powi(5)
+}

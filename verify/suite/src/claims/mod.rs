@@ -6,7 +6,9 @@ mod effect;
 mod filter;
 mod image;
 mod irradiance;
+mod jittered;
 mod lens;
+mod light;
 mod pointwise;
 mod recorded;
 mod relation;
@@ -43,6 +45,7 @@ pub fn all() -> Vec<Claim> {
         warp::claims(),
         lens::claims(),
         filter::claims(),
+        light::claims(),
         irradiance::claims(),
         relation::claims(),
         effect::claims(),

@@ -6,6 +6,9 @@ use verify::{points, share};
 
 use crate::bounds;
 
+/// Half a unit in the last place of single precision, 2⁻²⁴: the relative error of one rounding.
+pub(super) const EPSILON: f64 = 1.0 / 16_777_216.0;
+
 /// Completes a claim by trying uniform numbers, for none of which `misses` may be true.
 pub(super) fn never<const N: usize>(
     builder: ClaimBuilder,
