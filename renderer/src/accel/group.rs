@@ -33,7 +33,7 @@ pub(super) struct Group {
 pub(super) struct Context<'a> {
     pub(super) objects: &'a [Object],
     pub(super) inner: &'a [Option<Group>],
-    pub(super) stack: Vec<u32>,
+    pub(super) stack: Vec<(u32, f32)>,
 }
 
 impl Group {

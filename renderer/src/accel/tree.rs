@@ -43,7 +43,7 @@ impl Tree {
     pub(super) fn walk(
         &self,
         ray: &Ray,
-        stack: &mut Vec<u32>,
+        stack: &mut Vec<(u32, f32)>,
         mut leaf: impl FnMut(Range<usize>) -> Option<f32>,
     ) {
         let slab = Slab::new(ray);
@@ -68,16 +68,23 @@ impl Tree {
                 let (near, far) = if a_first { (near_a, near_b) } else { (near_b, near_a) };
                 if near < limit {
                     if far < limit {
-                        stack.push(first + u32::from(a_first));
+                        stack.push((first + u32::from(a_first), far));
                     }
                     node = if a_first { a } else { b };
                     continue;
                 }
             }
-            if stack.len() == base {
-                return;
-            }
-            node = &self.nodes[stack.pop().map_or(0, |i| i as usize)];
+            // What was pushed may have become too far.
+            let next = loop {
+                if stack.len() == base {
+                    return;
+                }
+                match stack.pop() {
+                    Some((index, near)) if near < limit => break index,
+                    _ => {}
+                }
+            };
+            node = &self.nodes[next as usize];
         }
         stack.truncate(base);
     }
