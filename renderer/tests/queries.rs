@@ -91,8 +91,9 @@ fn rays(rng: &mut Pcg64, count: u32) -> Vec<Ray> {
     let one = |i: u32| {
         let (origin, aim) = (inside(rng, 8.0), inside(rng, 4.0));
         let axes = [DVec3::X, DVec3::NEG_Y, DVec3::Z];
-        let direction = if i % 8 == 0 { axes[(i / 8 % 3) as usize] } else { (aim - origin).normalize() };
-        let t_max = if i % 2 == 0 { f32::INFINITY } else { 6.0 * rng.random::<f32>() };
+        let direction =
+            if i.is_multiple_of(8) { axes[(i / 8 % 3) as usize] } else { (aim - origin).normalize() };
+        let t_max = if i.is_multiple_of(2) { f32::INFINITY } else { 6.0 * rng.random::<f32>() };
         Ray { t_max, ..Ray::new(origin.as_vec3(), direction.as_vec3(), rng.random()) }
     };
     (0..count).map(one).collect()

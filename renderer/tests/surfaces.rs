@@ -176,6 +176,20 @@ proptest! {
     }
 }
 
+/// The control of the properties above: without the error bound, rays do come back.
+#[test]
+fn rays_spawned_without_an_offset_come_back() {
+    let rng = &mut Pcg64::seed_from_u64(0);
+    let mut back = 0;
+    for _ in 0..2000 {
+        let Some((shape, _)) = shape(rng) else { continue };
+        let object = Object::still(shape);
+        let at = SurfacePoint { error: Vec3::ZERO, ..object.shape.sample_area([rng.random(), rng.random()]) };
+        back += u32::from(comes_back(&object, &at, direction(rng), 0.0));
+    }
+    assert!(back > 100, "{back} of 2000");
+}
+
 fn hit(shape: &Shape, origin: [f32; 3], direction: [f32; 3]) -> (ShapeHit, SurfacePoint) {
     let ray = Ray::new(origin.into(), direction.into(), 0.0);
     let hits = (0..shape.element_count()).filter_map(|e| shape.intersect(e, &ray).map(|h| (e, h)));

@@ -31,7 +31,7 @@ pub struct Mesh {
     normals: Option<Vec<Vec3>>,
     uvs: Option<Vec<[f32; 2]>>,
     triangles: Vec<[u32; 3]>,
-    /// −1 where the cross product of a triangle's edges points against its normal.
+    /// −1 if the normals are turned over.
     sign: f64,
     /// Area of all triangles up to and with each.
     areas: Vec<f64>,
@@ -45,15 +45,12 @@ impl Mesh {
             .iter()
             .map(|&p| to_frame.transform_point3(DVec3::from(p.map(f64::from))).as_vec3())
             .collect();
-        // Vertex normals keep their side under a reflection; without them the turned-over winding decides.
-        let reflects = to_frame.matrix3.determinant() < 0.0;
-        let with_normals = data.normals.is_some() && !data.face_normals;
-        let sign = if flip != (reflects && with_normals) { -1.0 } else { 1.0 };
-        let to_normal = to_frame.matrix3.inverse().transpose() * if flip { -1.0 } else { 1.0 };
+        let sign = if flip { -1.0 } else { 1.0 };
+        let to_normal = to_frame.matrix3.inverse().transpose() * sign;
         let turn = |n: &[f32; 3]| {
             (to_normal * DVec3::from(n.map(f64::from)).normalize_or_zero()).normalize_or_zero()
         };
-        let normals = data.normals.as_ref().filter(|_| with_normals);
+        let normals = data.normals.as_ref().filter(|_| !data.face_normals);
         let mut mesh = Self {
             positions,
             normals: normals.map(|all| all.iter().map(|n| turn(n).as_vec3()).collect()),
@@ -96,7 +93,8 @@ impl Mesh {
 
     /// The point of a triangle with weights `v` and `w` of its second and third vertex.
     ///
-    /// Texture coordinates are the weights where the mesh has none.
+    /// The geometric normal is on the side of the interpolated one, whichever way round the corners go; without vertex
+    /// normals they go counter-clockwise around it. Texture coordinates are the weights where the mesh has none.
     pub(super) fn surface(&self, triangle: u32, [v, w]: [f32; 2]) -> SurfacePoint {
         let corners = self.triangles[triangle as usize].map(|i| i as usize);
         let [a, b, c] = corners.map(|i| self.positions[i].as_dvec3());
@@ -106,15 +104,16 @@ impl Mesh {
         let edges = e1.length() * e2.length();
         let extent = (e1.length() + e2.length() + a.abs().max_element()) * (1.0 + edges / cross.length());
         let (point, error) = rounded(a + e1 * f64::from(v) + e2 * f64::from(w), extent);
-        let ng = (cross.normalize() * self.sign).as_vec3();
+        let face = (cross.normalize() * self.sign).as_vec3();
         let u = 1.0 - v - w;
         let n = match &self.normals {
             Some(all) => {
                 let [na, nb, nc] = corners.map(|i| all[i]);
-                (na * u + nb * v + nc * w).try_normalize().unwrap_or(ng)
+                (na * u + nb * v + nc * w).try_normalize().unwrap_or(face)
             }
-            None => ng,
+            None => face,
         };
+        let ng = if n.dot(face) < 0.0 { -face } else { face };
         let uv = match &self.uvs {
             Some(all) => {
                 let [ta, tb, tc] = corners.map(|i| all[i]);

@@ -185,7 +185,7 @@ fn check_extent(shape: &Shape) -> Result<(), ParamError> {
     let b = shape.bounds();
     let value = b.min.abs().max(b.max.abs()).max_element();
     // Squares of distances must stay finite in f32.
-    if !(value < 1e18) {
+    if value.is_nan() || value >= 1e18 {
         return Err(ParamError::OutOfRange { name: "coordinate", value, accepted: "below 1e18" });
     }
     if shape.area() > 0.0 {
