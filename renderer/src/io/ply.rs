@@ -197,7 +197,7 @@ mod tests {
             for [x, y, z] in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0_f32]] {
                 let ordered = |b: &mut [u8]| {
                     if !little {
-                        b.reverse()
+                        b.reverse();
                     }
                 };
                 let (mut xb, mut yb, mut zb) = (x.to_le_bytes(), f64::from(y).to_le_bytes(), z.to_le_bytes());

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Context;
 use super::color::{color, index, single, texture};
+use super::document::MAX_DEPTH;
 use super::object::Object;
 use crate::materials::{Material, Metal};
 use crate::math::Rgb;
@@ -31,6 +32,9 @@ pub(super) fn read(context: &Context, at: usize) -> Result<Arc<Material>, Error>
         return Err(object
             .place()
             .refuse("a bsdf inside itself; a bsdf without a reference to itself is accepted"));
+    }
+    if context.building.borrow().len() >= MAX_DEPTH {
+        return Err(object.place().refuse(format!("bsdfs nested too deep; {MAX_DEPTH} levels are accepted")));
     }
     context.building.borrow_mut().push(at);
     let built = match object.plugin(&PLUGINS)? {

@@ -12,7 +12,11 @@ use super::files::Files;
 use crate::Error;
 
 /// Elements may lie this deep in each other, included files too.
-const MAX_DEPTH: usize = 64;
+pub(super) const MAX_DEPTH: usize = 64;
+/// A scene may include this many files; files that include each other in a tree would otherwise never end.
+const MAX_FILES: usize = 1000;
+/// An attribute may be this long after its parameters are put in; parameters made of parameters double in length.
+const MAX_VALUE: usize = 1 << 20;
 
 const TAGS: [&str; 25] = [
     "scene",
@@ -160,6 +164,7 @@ struct Loader<'f> {
     document: Document,
     aliases: Vec<Element>,
     open: Vec<PathBuf>,
+    included: usize,
 }
 
 /// Reads the scene `path` and all that it includes.
@@ -181,7 +186,8 @@ pub(super) fn load(
     let parameters = overrides.iter().rev().map(given).collect();
     let bytes = files.read(path).map_err(|source| Error::Io { path: path.into(), source })?;
     let document = Document::default();
-    let mut loader = Loader { files, parameters, document, aliases: Vec::new(), open: Vec::new() };
+    let mut loader =
+        Loader { files, parameters, document, aliases: Vec::new(), open: Vec::new(), included: 0 };
     loader.file(path, &bytes, None)?;
     loader.resolve_aliases()?;
     loader.check_overrides(path, overrides)?;
@@ -271,7 +277,7 @@ impl Loader<'_> {
             return Err(place.refuse(format!("element <{tag}>; {}, {also} are accepted", TAGS.join(", "))));
         }
         if depth > MAX_DEPTH {
-            return Err(place.refuse(format!("elements nested deeper than {MAX_DEPTH}")));
+            return Err(place.refuse(format!("elements nested too deep; {MAX_DEPTH} levels are accepted")));
         }
         let id = element.text("id").filter(|_| tag != "ref").map(str::to_string);
         let index = self.document.elements.len();
@@ -299,7 +305,7 @@ impl Loader<'_> {
         let mut parts = text.split('$');
         let mut result = parts.next().unwrap_or("").to_string();
         for part in parts {
-            let fits = self.parameters.iter_mut().filter(|p| part.starts_with(&p.name));
+            let fits = self.parameters.iter_mut().filter(|p| !p.name.is_empty() && part.starts_with(&p.name));
             let Some(parameter) = fits.max_by_key(|p| p.name.len()) else {
                 let name: String = part.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
                 let known: Vec<String> = self.parameters.iter().map(|p| format!("${}", p.name)).collect();
@@ -309,6 +315,11 @@ impl Loader<'_> {
             parameter.used = true;
             result.push_str(&parameter.value);
             result.push_str(&part[parameter.name.len()..]);
+            if result.len() > MAX_VALUE {
+                return Err(
+                    place.refuse(format!("a value longer than {MAX_VALUE} bytes; a shorter one is accepted"))
+                );
+            }
         }
         Ok(result)
     }
@@ -341,8 +352,10 @@ impl Loader<'_> {
             let chain = chain.join(" → ");
             return Err(filename.place.refuse(format!("include loop: {chain} → {}", canonical.display())));
         }
-        if self.open.len() >= MAX_DEPTH {
-            return Err(filename.place.refuse(format!("files included deeper than {MAX_DEPTH}")));
+        self.included += 1;
+        if self.open.len() >= MAX_DEPTH || self.included > MAX_FILES {
+            let accepted = format!("up to {MAX_FILES} files, nested up to {MAX_DEPTH} deep, are accepted");
+            return Err(filename.place.refuse(format!("too many inclusions; {accepted}")));
         }
         let missing = |error| filename.place.refuse(format!("filename '{}': {error}", filename.value));
         let bytes = self.files.read(&path).map_err(missing)?;
@@ -360,7 +373,8 @@ impl Loader<'_> {
 
     fn check_overrides(&self, path: &Path, overrides: &[(String, String)]) -> Result<(), Error> {
         let unused = |name: &str| self.parameters.iter().any(|p| p.name == name && !p.used);
-        let Some((name, _)) = overrides.iter().find(|(name, _)| unused(name)) else { return Ok(()) };
+        let wrong = overrides.iter().find(|(name, _)| name.is_empty() || unused(name));
+        let Some((name, _)) = wrong else { return Ok(()) };
         let given = |p: &&Parameter| overrides.iter().all(|(name, _)| *name != p.name);
         let known: Vec<&str> = self.parameters.iter().filter(given).map(|p| p.name.as_str()).collect();
         let place = Place { file: path.into(), line: 0, column: 0 };

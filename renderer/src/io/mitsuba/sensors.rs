@@ -120,8 +120,15 @@ fn film(context: &Context, index: usize) -> Result<FilmSettings, Error> {
             ));
         }
     }
-    object.choice("pixel_format", &[("rgb", ()), ("rgba", ())], ())?;
-    object.choice("component_format", &[("float32", ()), ("float16", ())], ())?;
+    if object.choice("pixel_format", &[("rgb", false), ("rgba", true)], false)? {
+        context.note(format!("{}: 'pixel_format' rgba has no effect: no alpha is written", object.place()));
+    }
+    if object.choice("component_format", &[("float32", false), ("float16", true)], false)? {
+        context.note(format!(
+            "{}: 'component_format' float16 has no effect: float32 is written",
+            object.place()
+        ));
+    }
     object.choice("file_format", &[("openexr", ())], ())?;
     if object.boolean("compensate", false)? {
         return Err(object.refuse_value("compensate", "'compensate' is true; false is accepted"));

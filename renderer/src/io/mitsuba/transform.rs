@@ -96,7 +96,7 @@ fn axes(part: &Element, default: f64, also: &[&str]) -> Result<DVec3, Error> {
 fn rotate(part: &Element) -> Result<DAffine3, Error> {
     let axis = axes(part, 0.0, &["angle"])?;
     let angle = number(part.required("angle")?)?;
-    if !((axis.length() - 1.0).abs() <= AXIS_TOLERANCE) {
+    if (axis.length() - 1.0).abs() > AXIS_TOLERANCE {
         // Mitsuba 3.9.1 takes such an axis for a unit vector and shears.
         return Err(part
             .place
