@@ -16,8 +16,12 @@ fn rgb() -> impl Strategy<Value = Rgb> {
 }
 
 fn metal() -> impl Strategy<Value = Metal> {
-    let names: Vec<_> = Metal::names().collect();
-    prop::sample::select(names).prop_map(|name| Metal::by_name(name).expect("a listed name is known"))
+    // Silver, aluminium, a perfect reflector, no index at all, and a dielectric.
+    let known = vec![(0.155, 4.83), (1.66, 9.22), (0.0, 1.0), (0.0, 0.0), (1.5, 0.0)];
+    let value = prop_oneof![prop::sample::select(known), (log_uniform(1e-6, 1e6), log_uniform(1e-6, 1e6))];
+    prop::array::uniform3(value).prop_map(|[r, g, b]| {
+        Metal::new(Rgb::new(r.0, g.0, b.0), Rgb::new(r.1, g.1, b.1)).expect("the ranges are accepted")
+    })
 }
 
 fn eta() -> impl Strategy<Value = f32> {
@@ -240,7 +244,7 @@ fn lobe_centre(bsdf: &Bsdf, wo: Vec3, s: &BsdfSample) -> Vec3 {
 /// Materials with lobes wide enough for quadrature, each of them as (name, material).
 fn wide_lobes() -> Vec<(&'static str, Material)> {
     let white = || Rgb::WHITE.into();
-    let metal = || Metal::by_name("Cu").unwrap();
+    let metal = || Metal::new(Rgb::new(0.201, 0.924, 1.102), Rgb::new(3.913, 2.453, 2.142)).unwrap();
     let phong = |n| Material::new_phong(Rgb::splat(0.3).into(), Rgb::new(0.7, 0.1, 0.4).into(), n);
     let all = [
         ("diffuse", Material::new_diffuse(Rgb::new(1.0, 0.5, 0.2).into())),

@@ -25,7 +25,7 @@ pub struct Metal {
 }
 
 impl Metal {
-    /// The metal of index `eta` and extinction `k`; both non-negative and not both 0 in any channel.
+    /// The metal of index `eta` and extinction `k`, each channel 0 to 1e6.
     ///
     /// # Errors
     /// [`ParamError::NotFinite`], [`ParamError::OutOfRange`].
@@ -34,11 +34,6 @@ impl Metal {
             for value in rgb.to_array() {
                 check_range(name, value, [0.0, 1e6], "0 to 1e6")?;
             }
-        }
-        let sums = (eta + k).to_array();
-        if let Some(&sum) = sums.iter().find(|&&sum| sum < 1e-6) {
-            let value = f64::from(sum);
-            return Err(ParamError::OutOfRange { name: "eta + k", value, accepted: "1e-6 or more" });
         }
         Ok(Self { eta, k })
     }

@@ -62,7 +62,8 @@ fn to_f32(x: f64) -> f32 {
 /// * `cos_i`: cosine of the angle to the normal, in [0, 1].
 ///
 /// # Precision, limits
-/// a² is 2η²k²/(A − t) where t < 0, so that a strong k costs no digits.
+/// a² is 2η²k²/(A − t) where t < 0, so that a strong k costs no digits. At normal incidence both polarisations are
+/// the same, which stands for Rp's 0/0 there at η = k = 0 (total reflection).
 ///
 /// # Source
 /// Born, Wolf: Principles of Optics, 14.2.
@@ -77,7 +78,7 @@ pub fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
         let ac2 = 2.0 * a2.sqrt() * cos_i;
         let rs = (big_a + c2 - ac2) / (big_a + c2 + ac2);
         let p = big_a * c2 + s2 * s2;
-        let rp = rs * (p - ac2 * s2) / (p + ac2 * s2);
+        let rp = if p > 0.0 { rs * (p - ac2 * s2) / (p + ac2 * s2) } else { rs };
         (rs + rp) / 2.0
     };
     Rgb::new(channel(eta.r, k.r), channel(eta.g, k.g), channel(eta.b, k.b))
@@ -191,6 +192,13 @@ mod tests {
     }
 
     #[test]
+    fn a_conductor_without_index_reflects_everything() {
+        for cos in [0.0, 1e-20, 0.3, 0.999_999, 1.0] {
+            assert_eq!(conductor(cos, Rgb::BLACK, Rgb::BLACK), Rgb::WHITE, "{cos}");
+        }
+    }
+
+    #[test]
     fn a_conductor_agrees_with_complex_arithmetic() {
         for (eta, k) in [(0.143_f32, 3.983_f32), (1.6575, 9.2238), (4.37, 5.2), (0.04, 0.9), (0.0, 1.0)] {
             for i in 0..=100_u16 {
@@ -203,7 +211,7 @@ mod tests {
         }
     }
 
-    /// |r|² by complex arithmetic on m = η + ik: r_s = (c − q)/(c + q), r_p = (m²c − q)/(m²c + q), q² = m² − s².
+    /// |r|² by complex arithmetic on m = η + ik: (c − q)/(c + q) and (m²c − q)/(m²c + q) with q² = m² − s².
     fn complex_reflectance(c: f64, [eta, k]: [f64; 2]) -> f64 {
         let m2 = [eta * eta - k * k, 2.0 * eta * k];
         let q2 = [m2[0] - (1.0 - c * c), m2[1]];

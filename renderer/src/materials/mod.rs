@@ -9,7 +9,6 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
-mod metals;
 pub mod microfacet;
 mod mirror;
 mod phong;
