@@ -154,3 +154,15 @@ pub fn schlick(cos: f64, eta: f64) -> f64 {
     let r0 = ((eta - 1.0) / (eta + 1.0)).powi(2);
     r0 + (1.0 - r0) * (1.0 - cos).powi(5)
 }
+
+/// A number from the lowest 16 bits of a word: those of a linear congruential generator repeat after 65,536 numbers.
+pub fn lowest_16_bits(word: u32) -> f64 {
+    f64::from(word & 0xffff) / 65_536.0
+}
+
+/// A word divided by 2³² in single precision: the 128 largest words become 1.
+pub fn unit_rounded(word: u32) -> f32 {
+    #[expect(clippy::cast_precision_loss, reason = "the mistake to be made")]
+    let rounded = word as f32 / 4_294_967_296.0;
+    rounded
+}

@@ -4,6 +4,7 @@ use verify::claim::Claim;
 
 mod effect;
 mod filter;
+mod generator;
 mod image;
 mod irradiance;
 mod jittered;
@@ -42,6 +43,7 @@ pub const GROUPS: [&str; 19] = [
 /// Every claim, by group.
 pub fn all() -> Vec<Claim> {
     [
+        generator::claims(),
         warp::claims(),
         lens::claims(),
         filter::claims(),

@@ -75,6 +75,12 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     if let Some(folder) = &args.references {
         claims::set_references(folder);
     }
+    let threads = match args.threads {
+        Some(threads) => threads.get(),
+        None => std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
+    };
+    // Before the claims are made: scenes build their trees on these threads.
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     let all = claims::all();
     let chosen = choose(&all, &args.only)?;
     let mut words = Words::beside(args.json.as_deref());
@@ -85,7 +91,7 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
         }
         return Ok(Status::Good);
     }
-    let report = run_claims(args, chosen)?;
+    let report = run_claims(args, chosen, threads)?;
     table::write(&mut words, &report)?;
     let index = write_report(args, &report)?;
     writeln!(words, "page: {}", index.display())?;
@@ -122,12 +128,7 @@ fn nearest(all: &[Claim], pattern: &str) -> String {
 }
 
 /// Runs the claims, longest first where an earlier report knows, and reports in the order of the list.
-fn run_claims(args: &Args, chosen: Vec<&Claim>) -> Result<Report, CliError> {
-    let threads = match args.threads {
-        Some(threads) => threads.get(),
-        None => std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
-    };
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+fn run_claims(args: &Args, chosen: Vec<&Claim>, threads: usize) -> Result<Report, CliError> {
     let known = known_seconds(&args.report);
     let seconds_of = |claim: &Claim| known.get(claim.id()).copied().unwrap_or(f64::INFINITY);
     let mut order: Vec<usize> = (0..chosen.len()).collect();
