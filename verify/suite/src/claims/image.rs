@@ -33,7 +33,7 @@ const SCENES: [(&str, &str, u32); 7] = [
 const SIDE: &str = "128";
 
 /// Independent parts of each image; errors come from their spread.
-const REPLICATES: u32 = 4;
+const REPLICATES: u32 = 8;
 
 static REFERENCES: OnceLock<PathBuf> = OnceLock::new();
 

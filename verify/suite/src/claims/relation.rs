@@ -1,6 +1,6 @@
 //! Relations between renders that hold whatever the right image is.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::{DAffine3, DVec3};
 use renderer::film::FilmSettings;
@@ -22,52 +22,34 @@ pub(super) fn claims() -> Vec<Claim> {
         same(
             "relation/strategy/same-mean",
             "light points, the material's directions, and both weighted give the same mean",
-            vec![
-                with_strategy(Strategy::Light),
-                with_strategy(Strategy::Material),
-                with_strategy(Strategy::Both),
-            ],
+            || [Strategy::Light, Strategy::Material, Strategy::Both].map(with_strategy).into(),
         ),
-        same(
-            "relation/light/split",
-            "a light cut in two gives what it gave whole",
-            vec![Version::of(room()), Version::of(split_light())],
-        ),
-        same(
-            "relation/light/additive",
-            "two lights give the sum of what each gives",
-            vec![
-                Version::of(two_lights([1.0, 1.0])),
-                Version {
-                    parts: vec![built(&two_lights([1.0, 0.0])), built(&two_lights([0.0, 1.0]))],
-                    ..Version::of(room())
-                },
-            ],
-        ),
-        same("relation/sampler/same-mean", "every sampler gives the same mean", samplers()),
+        same("relation/light/split", "a light cut in two gives what it gave whole", || {
+            [room(), split_light()].map(Version::of).into()
+        }),
+        same("relation/light/additive", "two lights give the sum of what each gives", || {
+            let parts = [[1.0, 0.0], [0.0, 1.0]].map(|factors| built(&two_lights(factors))).into();
+            vec![Version::of(two_lights([1.0, 1.0])), Version { parts, sampler: SamplerKind::Sobol }]
+        }),
+        same("relation/sampler/same-mean", "every sampler gives the same mean", || {
+            SamplerKind::ALL.map(|sampler| Version { sampler, ..Version::of(room()) }).into()
+        }),
         same(
             "relation/camera/rigid",
             "a scene and its camera, moved and turned together, give the same mean",
-            vec![
-                Version::of(room()),
-                Version::of(moved(DAffine3::from_translation(DVec3::new(100.0, -40.0, 7.0)))),
-                Version::of(moved(DAffine3::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 2.0))),
-            ],
+            || {
+                let far = DAffine3::from_translation(DVec3::new(100.0, -40.0, 7.0));
+                let turned = DAffine3::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 2.0);
+                [DAffine3::IDENTITY, far, turned].map(|outer| Version::of(moved(outer))).into()
+            },
         ),
-        same(
-            "relation/scale/powers-of-two",
-            "a scene 1024 times as large or small gives the same mean",
-            vec![
-                Version::of(room()),
-                Version::of(moved(DAffine3::from_scale(DVec3::splat(1024.0)))),
-                Version::of(moved(DAffine3::from_scale(DVec3::splat(1.0 / 1024.0)))),
-            ],
-        ),
-        same(
-            "relation/roulette/same-mean",
-            "Russian roulette changes the cost and not the mean",
-            vec![roulette_from(u32::MAX), roulette_from(1)],
-        ),
+        same("relation/scale/powers-of-two", "a scene 1024 times as large or small gives the same mean", || {
+            let scale = |factor| DAffine3::from_scale(DVec3::splat(factor));
+            [1.0, 1024.0, 1.0 / 1024.0].map(|factor| Version::of(moved(scale(factor)))).into()
+        }),
+        same("relation/roulette/same-mean", "Russian roulette changes the cost and not the mean", || {
+            [u32::MAX, 1].map(roulette_from).into()
+        }),
     ]
 }
 
@@ -90,29 +72,41 @@ impl Version {
 /// Samples a pixel and replicate.
 const SAMPLES: u32 = 64;
 
+/// Versions of a render that should have the same mean, and the claims on their differences, made when first asked for.
+struct Family {
+    versions: Vec<Version>,
+    differences: Vec<MeanClaim>,
+}
+
+impl Family {
+    fn new(versions: Vec<Version>) -> Self {
+        let unit = versions[0].mean(0);
+        // sums of f32 products along paths of a few vertices
+        let rounding = 16.0 * f64::from(f32::EPSILON);
+        let difference = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::RELATION) };
+        Self { differences: vec![difference; versions.len() - 1], versions }
+    }
+
+    /// The difference of another version, times `factor`, to the first; their seeds differ, so that their errors are
+    /// independent.
+    fn difference(&self, other: usize, seed: u64, factor: f64) -> f64 {
+        factor * self.versions[other + 1].mean(seed) - self.versions[0].mean(!seed)
+    }
+}
+
 /// The claim that all versions have the mean of the first.
-fn same(id: &'static str, says: &'static str, versions: Vec<Version>) -> Claim {
-    let unit = versions[0].mean(0);
-    let others = versions.len() - 1;
-    // sums of f32 products along paths of a few vertices
-    let rounding = 16.0 * f64::from(f32::EPSILON);
-    let differences: Arc<Vec<MeanClaim>> =
-        Arc::new(vec![MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::RELATION) }; others]);
-    let versions = Arc::new(versions);
-    // seeds of the two sides differ, so that their errors are independent
-    let difference = move |other: usize, seed: u64, factor: f64| {
-        factor * versions[other + 1].mean(seed) - versions[0].mean(!seed)
-    };
-    let difference = Arc::new(difference);
-    let (control, brighter) = (difference.clone(), difference.clone());
-    let (claims, claims2) = (differences.clone(), differences.clone());
+fn same(id: &'static str, says: &'static str, versions: fn() -> Vec<Version>) -> Claim {
+    let family: Arc<LazyLock<Family, _>> = Arc::new(LazyLock::new(move || Family::new(versions())));
+    let (control, brighter) = (family.clone(), family.clone());
     claim(id, says)
         .bound(bounds::RELATION)
-        .rejects("2.2 × resolution", move |run| joint_control(&claims, run, |i, seed| control(i, seed, 1.0)))
-        .rejects("one of them 5 % brighter", move |run| {
-            joint_evidence(&claims2, run, |i, seed| brighter(i, seed, 1.05))
+        .rejects("2.2 × resolution", move |run| {
+            joint_control(&control.differences, run, |i, seed| control.difference(i, seed, 1.0))
         })
-        .by(move |run| joint_evidence(&differences, run, |i, seed| difference(i, seed, 1.0)))
+        .rejects("one of them 5 % brighter", move |run| {
+            joint_evidence(&brighter.differences, run, |i, seed| brighter.difference(i, seed, 1.05))
+        })
+        .by(move |run| joint_evidence(&family.differences, run, |i, seed| family.difference(i, seed, 1.0)))
 }
 
 /// A floor, a wall, a diffuse and a rough metal ball under a square light, and a dim sky; paths of up to 4 edges.
@@ -176,10 +170,6 @@ fn two_lights(factors: [f32; 2]) -> SceneDescription {
         lamp.radiance = Rgb::splat(4.0 * factor);
     }
     description
-}
-
-fn samplers() -> Vec<Version> {
-    SamplerKind::ALL.into_iter().map(|sampler| Version { sampler, ..Version::of(room()) }).collect()
 }
 
 /// The room with everything in it, the camera too, moved by `outer`.
