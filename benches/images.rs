@@ -18,8 +18,13 @@ fn images(c: &mut Criterion) {
         let scene = Scene::new(&description)
             .unwrap_or_else(|error| panic!("the reference scenes are valid: {error}"));
         let integrator = PathTracer { settings: scene.integrator };
-        let settings =
-            RenderSettings { sampler: description.sampler.kind, samples: 4, replicates: 4, seed: 0, threads: 0 };
+        let settings = RenderSettings {
+            sampler: description.sampler.kind,
+            samples: 4,
+            replicates: 4,
+            seed: 0,
+            threads: 0,
+        };
         group.bench_function(name, |b| b.iter(|| render(&scene, &integrator, &settings, &|_| ())));
     }
     group.finish();

@@ -154,7 +154,8 @@ impl Claim {
         self.controls.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Runs the subject until it holds or three runs are done, then each control once.
+    /// Runs the subject until it holds or three runs are done, then each control once, on the random numbers of the
+    /// subject's first run: a control differs from the subject by its mistake alone.
     ///
     /// * `seed`: master seed; each run's own derives from it, the claim's id and the step.
     /// * `level`: factor on the sample count.
@@ -201,8 +202,7 @@ impl Claim {
 
     fn run_controls(&self, seed: u64, level: Level) -> Result<Vec<ControlOutcome>, InputError> {
         let control = |(name, trial): &(String, Trial<'static>)| {
-            let run =
-                Run { seed: Seed::derive(seed, &format!("{}: {name}", self.id), 0), effort: level.effort() };
+            let run = Run { seed: Seed::derive(seed, &self.id, 0), effort: level.effort() };
             let evidence = self.evidence(trial, &run)?;
             Ok(ControlOutcome {
                 name: name.clone(),

@@ -134,8 +134,8 @@ pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, 
         let Some(light) = light.sample(&scene.accel, &interaction, u) else { continue };
         let bsdf = material.bsdf(interaction.surface.uv);
         let (wo, wi) = (frame.to_local(interaction.wo), frame.to_local(light.wi));
-        let f = bsdf.eval(wo, wi);
-        if f.is_black() {
+        let f_cos = bsdf.eval_cos(wo, wi);
+        if f_cos.is_black() {
             continue;
         }
         let pdf = pmf * light.pdf;
@@ -144,7 +144,7 @@ pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, 
         } else {
             power_heuristic(pdf, bsdf.pdf(wo, wi))
         };
-        let contribution = path.throughput * f * light.radiance * (wi.z.abs() * weight / pdf);
+        let contribution = path.throughput * f_cos * light.radiance * (weight / pdf);
         batch.connect(path.sample, light.shadow_ray, contribution);
     }
 }
@@ -191,7 +191,9 @@ impl<S: Sampler> Bounce<'_, S> {
         let bsdf = material.bsdf(interaction.surface.uv);
         let wo = self.surface.frame.to_local(interaction.wo);
         let vertex = self.path.vertex;
-        let direction = || {
+        // branches of one path share nothing: each draws at its own vertex
+        let direction = |branch: u32| {
+            let vertex = Vertex { branch, ..vertex };
             if calls.direction {
                 self.sampler.draw_2d(self.id, vertex, Decision::Direction)
             } else {
@@ -201,7 +203,8 @@ impl<S: Sampler> Bounce<'_, S> {
         let lobe = || if calls.lobe { self.sampler.draw_1d(self.id, vertex, Decision::Lobe) } else { 0.0 };
         if !calls.dielectric || branch == Branch::Fresnel {
             next.extend(
-                bsdf.sample(wo, lobe(), direction()).and_then(|s| self.path_along(&s, vertex.branch, 1.0)),
+                bsdf.sample(wo, lobe(), direction(vertex.branch))
+                    .and_then(|s| self.path_along(&s, vertex.branch, 1.0)),
             );
             return;
         }
@@ -211,12 +214,12 @@ impl<S: Sampler> Bounce<'_, S> {
             Branch::Both if can_fork => {
                 for (child, which) in [(1, MaterialBranch::Reflect), (2, MaterialBranch::Refract)] {
                     let branch = vertex.branch.wrapping_mul(2).wrapping_add(child);
-                    next.extend(self.branch(&bsdf, which, direction(), branch, 1.0));
+                    next.extend(self.branch(&bsdf, which, direction(branch), branch, 1.0));
                 }
             }
             Branch::Half => {
                 let which = if lobe() < 0.5 { MaterialBranch::Reflect } else { MaterialBranch::Refract };
-                next.extend(self.branch(&bsdf, which, direction(), vertex.branch, 2.0));
+                next.extend(self.branch(&bsdf, which, direction(vertex.branch), vertex.branch, 2.0));
             }
             Branch::Both | Branch::Fresnel => {
                 let (which, share) = if lobe() < reflected {
@@ -224,7 +227,7 @@ impl<S: Sampler> Bounce<'_, S> {
                 } else {
                     (MaterialBranch::Refract, 1.0 - reflected)
                 };
-                next.extend(self.branch(&bsdf, which, direction(), vertex.branch, 1.0 / share));
+                next.extend(self.branch(&bsdf, which, direction(vertex.branch), vertex.branch, 1.0 / share));
             }
         }
     }

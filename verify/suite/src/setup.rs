@@ -1,7 +1,8 @@
 //! Scenes that claims build in code, and what one pixel sees of them.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DAffine3, DMat3, DVec3};
 use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
@@ -12,7 +13,9 @@ use renderer::math::Rgb;
 use renderer::math::transform::Motion;
 use renderer::render::{RenderSettings, Rendering, render};
 use renderer::sampling::SamplerKind;
-use renderer::scene::{IntegratorSettings, ObjectSettings, SamplerSettings, Scene, SceneDescription};
+use renderer::scene::{
+    IntegratorSettings, ObjectSettings, SamplerSettings, Scene, SceneDescription, Strategy,
+};
 use renderer::shapes::ShapeSettings;
 use renderer::texture::Texture;
 use verify::error::InputError;
@@ -110,7 +113,8 @@ pub fn receiver(lamps: Vec<ObjectSettings>) -> SceneDescription {
     let plate = DAffine3::from_scale(DVec3::new(0.01, 0.01, 1.0));
     let mut objects = vec![thing(ShapeSettings::Rectangle, plate, diffuse(1.0))];
     objects.extend(lamps);
-    spot(DVec3::new(0.003, 0.002, 0.004), DVec3::ZERO, objects, IntegratorSettings::DIRECT)
+    let integrator = IntegratorSettings { strategy: Strategy::Light, ..IntegratorSettings::DIRECT };
+    spot(DVec3::new(0.003, 0.002, 0.004), DVec3::ZERO, objects, integrator)
 }
 
 /// The scene of `description`.
@@ -119,6 +123,21 @@ pub fn receiver(lamps: Vec<ObjectSettings>) -> SceneDescription {
 /// If it is refused: the scenes of claims are not.
 pub fn built(description: &SceneDescription) -> Scene {
     Scene::new(description).expect("the scenes of claims are valid")
+}
+
+/// A function of a configuration and a seed that remembers its values: controls that plant a defect in what the
+/// subject gave need not render it again.
+pub fn remembering(subject: impl Fn(usize, u64) -> f64) -> impl Fn(usize, u64) -> f64 {
+    let known = Mutex::new(HashMap::new());
+    move |configuration, seed| {
+        let remembered = || known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(&value) = remembered().get(&(configuration, seed)) {
+            return value;
+        }
+        let value = subject(configuration, seed);
+        remembered().insert((configuration, seed), value);
+        value
+    }
 }
 
 /// One replicate's image of `scene`: `samples` a pixel, at least 1, from `seed`.

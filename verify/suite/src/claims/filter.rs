@@ -107,9 +107,11 @@ fn weight(name: &'static str, filter: Filter) -> Claim {
     let estimate = move |moment: usize, seed: u64, stretch: f64| {
         let n = 4096;
         let draw = |i: u32| {
-            let mut u = [0.0];
+            let [mut u, mut turn] = [[0.0]; 2];
             points::fill(seed, u64::from(i), &mut u);
-            let (x, w) = sampler.sample(single((f64::from(i) + u[0]) / f64::from(n)));
+            // all strata turned together, so that no jump of the filter has the same place in its stratum each time
+            points::fill(seed, u64::from(n), &mut turn);
+            let (x, w) = sampler.sample(single(((f64::from(i) + u[0]) / f64::from(n) + turn[0]).fract()));
             f64::from(w) * moments[moment](stretch * f64::from(x))
         };
         (0..n).map(draw).sum::<f64>() / f64::from(n)

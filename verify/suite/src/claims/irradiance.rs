@@ -1,12 +1,11 @@
 //! Irradiance of area lights through camera, film, integrator and lights, against closed forms.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::{DAffine3, DMat3, DVec3};
-use renderer::scene::{ObjectSettings, Scene};
+use renderer::scene::ObjectSettings;
 use renderer::shapes::{MeshData, ShapeSettings};
 use verify::claim::{Claim, Run, claim};
-use verify::error::InputError;
 use verify::irradiance::{
     Receiver, from_parallel_disk, from_parallel_rectangle, from_perpendicular_rectangle, from_polygon,
     from_sphere,
@@ -14,7 +13,7 @@ use verify::irradiance::{
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 use crate::bounds;
-use crate::setup::{irradiance, lamp, receiver, rectangle_at, subject};
+use crate::setup::{built, irradiance, lamp, receiver, rectangle_at, remembering};
 
 /// A light in a place, and the irradiance that it should give at the origin of a receiver that faces +z.
 struct Place {
@@ -44,31 +43,36 @@ pub(super) fn claims() -> Vec<Claim> {
 /// * `places`: of a light that is as large as it should be times a factor.
 fn from(id: &'static str, what: &'static str, samples: u32, places: fn(f64) -> Vec<Place>) -> Claim {
     let says = format!("{what}, in ten places, gives the irradiance of the closed form");
+    let lit = LazyLock::new(move || Lit::new(places(1.0), samples));
+    // a gross mistake shows with fewer samples too
+    let large = LazyLock::new(move || Lit::new(places(2.0), samples / 8));
+    let lit = Arc::new(lit);
+    let (control, right) = (lit.clone(), lit.clone());
     claim(id, says)
         .bound(bounds::IRRADIANCE)
-        .rejects("2.2 × resolution", move |run| {
-            let (scenes, claims) = built(places(1.0))?;
-            joint_control(&claims, run, |i, seed| irradiance(&scenes[i], samples, seed))
-        })
+        .rejects("2.2 × resolution", move |run| joint_control(&control.claims, run, &control.irradiance))
         .rejects("a diameter taken for a radius", move |run| {
-            let (_, claims) = built(places(1.0))?;
-            let (scenes, _) = built(places(2.0))?;
-            joint_evidence(&claims, run, |i, seed| irradiance(&scenes[i], samples, seed))
+            joint_evidence(&right.claims, run, &large.irradiance)
         })
-        .by(move |run: &Run| {
-            let (scenes, claims) = built(places(1.0))?;
-            joint_evidence(&claims, run, |i, seed| irradiance(&scenes[i], samples, seed))
-        })
+        .by(move |run: &Run| joint_evidence(&lit.claims, run, &lit.irradiance))
 }
 
-fn built(places: Vec<Place>) -> Result<(Vec<Scene>, Vec<MeanClaim>), InputError> {
-    let mut scenes = Vec::new();
-    let mut claims = Vec::new();
-    for place in places {
-        scenes.push(Scene::new(&receiver(vec![place.lamp])).map_err(subject)?);
-        claims.push(MeanClaim::relative(place.exact, bounds::IRRADIANCE));
+/// Receivers in light, made when first asked for.
+struct Lit {
+    claims: Vec<MeanClaim>,
+    irradiance: Box<dyn Fn(usize, u64) -> f64 + Send + Sync>,
+}
+
+impl Lit {
+    fn new(places: Vec<Place>, samples: u32) -> Self {
+        let (mut scenes, mut claims) = (Vec::new(), Vec::new());
+        for place in places {
+            scenes.push(built(&receiver(vec![place.lamp])));
+            claims.push(MeanClaim::relative(place.exact, bounds::IRRADIANCE));
+        }
+        let irradiance = remembering(move |i, seed| irradiance(&scenes[i], samples, seed));
+        Self { claims, irradiance: Box::new(irradiance) }
     }
-    Ok((scenes, claims))
 }
 
 /// Ten places: the middle x and y, the half sides and the height or distance, from far and small to near and large.

@@ -14,7 +14,7 @@ use verify::claim::{Claim, claim};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 use crate::bounds;
-use crate::setup::{built, diffuse, fixed, image, lamp, mean, rectangle_at, spot, thing};
+use crate::setup::{built, diffuse, fixed, image, lamp, mean, rectangle_at, remembering, spot, thing};
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
@@ -43,10 +43,14 @@ pub(super) fn claims() -> Vec<Claim> {
                 [DAffine3::IDENTITY, far, turned].map(|outer| Version::of(moved(outer))).into()
             },
         ),
-        same("relation/scale/powers-of-two", "a scene 1024 times as large or small gives the same mean", || {
-            let scale = |factor| DAffine3::from_scale(DVec3::splat(factor));
-            [1.0, 1024.0, 1.0 / 1024.0].map(|factor| Version::of(moved(scale(factor)))).into()
-        }),
+        same(
+            "relation/scale/powers-of-two",
+            "a scene 1024 times as large or small gives the same mean",
+            || {
+                let scale = |factor| DAffine3::from_scale(DVec3::splat(factor));
+                [1.0, 1024.0, 1.0 / 1024.0].map(|factor| Version::of(moved(scale(factor)))).into()
+            },
+        ),
         same("relation/roulette/same-mean", "Russian roulette changes the cost and not the mean", || {
             [u32::MAX, 1].map(roulette_from).into()
         }),
@@ -74,7 +78,7 @@ const SAMPLES: u32 = 64;
 
 /// Versions of a render that should have the same mean, and the claims on their differences, made when first asked for.
 struct Family {
-    versions: Vec<Version>,
+    mean: Box<dyn Fn(usize, u64) -> f64 + Send + Sync>,
     differences: Vec<MeanClaim>,
 }
 
@@ -84,19 +88,20 @@ impl Family {
         // sums of f32 products along paths of a few vertices
         let rounding = 16.0 * f64::from(f32::EPSILON);
         let difference = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::RELATION) };
-        Self { differences: vec![difference; versions.len() - 1], versions }
+        let differences = vec![difference; versions.len() - 1];
+        Self { differences, mean: Box::new(remembering(move |version, seed| versions[version].mean(seed))) }
     }
 
     /// The difference of another version, times `factor`, to the first; their seeds differ, so that their errors are
     /// independent.
     fn difference(&self, other: usize, seed: u64, factor: f64) -> f64 {
-        factor * self.versions[other + 1].mean(seed) - self.versions[0].mean(!seed)
+        factor * (self.mean)(other + 1, seed) - (self.mean)(0, !seed)
     }
 }
 
 /// The claim that all versions have the mean of the first.
 fn same(id: &'static str, says: &'static str, versions: fn() -> Vec<Version>) -> Claim {
-    let family: Arc<LazyLock<Family, _>> = Arc::new(LazyLock::new(move || Family::new(versions())));
+    let family = Arc::new(LazyLock::new(move || Family::new(versions())));
     let (control, brighter) = (family.clone(), family.clone());
     claim(id, says)
         .bound(bounds::RELATION)
