@@ -18,15 +18,20 @@ use crate::report::Gallery;
 use crate::setup::subject;
 use crate::side::Side;
 
-/// Each scene with what it shows, and the samples a pixel that settle the bound.
-const SCENES: [(&str, &str, u32); 7] = [
-    ("cornell", "the Cornell box: inter-reflection between diffuse surfaces", 64),
-    ("soft-shadow", "a square light over a square blocker: soft shadows", 32),
-    ("thin-lens", "spheres at several depths: depth of field", 32),
-    ("moving", "moving objects: motion blur", 64),
-    ("glass", "glass and rough metal", 128),
-    ("mesh", "triangle meshes with smooth normals", 32),
-    ("textured", "textures", 32),
+/// Each scene with what it shows, the samples a pixel, and the bound in percent that they settle.
+const SCENES: [(&str, &str, u32, f64); 7] = [
+    (
+        "cornell",
+        "the Cornell box: inter-reflection between diffuse surfaces",
+        64,
+        bounds::INTER_REFLECTION_PERCENT,
+    ),
+    ("soft-shadow", "a square light over a square blocker: soft shadows", 32, bounds::IMAGE_PERCENT),
+    ("thin-lens", "spheres at several depths: depth of field", 32, bounds::IMAGE_PERCENT),
+    ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT),
+    ("glass", "glass and rough metal", 128, bounds::IMAGE_PERCENT),
+    ("mesh", "triangle meshes with smooth normals", 32, bounds::IMAGE_PERCENT),
+    ("textured", "textures", 32, bounds::IMAGE_PERCENT),
 ];
 
 /// Side of the reference images in pixels.
@@ -50,10 +55,10 @@ fn references() -> &'static Path {
 ///
 /// A reference is drawn once, so that the three runs of a failing claim share its error, which the comparison counts.
 pub(super) fn claims() -> Vec<Claim> {
-    SCENES.into_iter().map(|(name, shows, spp)| against_mitsuba(name, shows, spp)).collect()
+    SCENES.into_iter().map(|(name, shows, spp, bound)| against_mitsuba(name, shows, spp, bound)).collect()
 }
 
-fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32) -> Claim {
+fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32, bound: f64) -> Claim {
     let last: Arc<Mutex<Option<(Run, Pixels)>>> = Arc::default();
     let against = move |run: &Run, change: fn(&mut Pixels)| {
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -65,7 +70,7 @@ fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32) -> Claim {
         change(&mut ours);
         let theirs =
             Side::read(&[references().join("mitsuba").join(name).with_extension("exr")]).map_err(subject)?;
-        compare(&ours.image()?, &theirs.image, bounds::IMAGE_PERCENT).map(|comparison| comparison.evidence)
+        compare(&ours.image()?, &theirs.image, bound).map(|comparison| comparison.evidence)
     };
     let (brighter, shifted) = (against.clone(), against.clone());
     claim(format!("image/{name}/mitsuba"), format!("{shows}: the image is Mitsuba's"))

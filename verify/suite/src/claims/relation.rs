@@ -74,7 +74,7 @@ impl Version {
 }
 
 /// Samples a pixel and replicate.
-const SAMPLES: u32 = 64;
+const SAMPLES: u32 = 32;
 
 /// Versions of a render that should have the same mean, and the claims on their differences, made when first asked for.
 struct Family {
@@ -92,10 +92,10 @@ impl Family {
         Self { differences, mean: Box::new(remembering(move |version, seed| versions[version].mean(seed))) }
     }
 
-    /// The difference of another version, times `factor`, to the first; their seeds differ, so that their errors are
-    /// independent.
+    /// The difference of another version, times `factor`, to the first, both from the same seed: what noise they share
+    /// cancels, and the spread over seeds is that of the difference.
     fn difference(&self, other: usize, seed: u64, factor: f64) -> f64 {
-        factor * (self.mean)(other + 1, seed) - (self.mean)(0, !seed)
+        factor * (self.mean)(other + 1, seed) - (self.mean)(0, seed)
     }
 }
 
