@@ -129,7 +129,7 @@ fn room() -> SceneDescription {
         thing(ball(0.6), DAffine3::IDENTITY, metal),
         lamp(
             ShapeSettings::Rectangle,
-            rectangle_at(DVec3::new(0.0, 2.5, 0.5), 0.8 * DVec3::X, 0.8 * DVec3::Z),
+            rectangle_at(DVec3::new(0.0, 2.5, 0.5), 1.2 * DVec3::X, 1.2 * DVec3::Z),
         ),
     ];
     let integrator = IntegratorSettings { max_depth: Some(4), ..IntegratorSettings::PATH };
@@ -157,18 +157,18 @@ fn roulette_from(rr_depth: u32) -> Version {
 fn split_light() -> SceneDescription {
     let mut description = room();
     description.objects.pop();
-    for x in [-0.4, 0.4] {
-        let half = rectangle_at(DVec3::new(x, 2.5, 0.5), 0.4 * DVec3::X, 0.8 * DVec3::Z);
+    for x in [-0.6, 0.6] {
+        let half = rectangle_at(DVec3::new(x, 2.5, 0.5), 0.6 * DVec3::X, 1.2 * DVec3::Z);
         description.objects.push(lamp(ShapeSettings::Rectangle, half));
     }
     description
 }
 
-/// The room's light and a small bright ball, each times a factor; no sky.
+/// The room's light and a bright ball, each times a factor; no sky.
 fn two_lights(factors: [f32; 2]) -> SceneDescription {
     let mut description = room();
     description.lights.clear();
-    let ball = ShapeSettings::Sphere { center: DVec3::new(-1.5, 1.2, 1.0), radius: 0.2 };
+    let ball = ShapeSettings::Sphere { center: DVec3::new(-1.5, 1.2, 1.0), radius: 0.4 };
     description.objects.push(lamp(ball, DAffine3::IDENTITY));
     let lamps = description.objects.iter_mut().rev().take(2);
     for (lamp, factor) in lamps.zip(factors) {

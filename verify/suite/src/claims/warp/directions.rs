@@ -62,7 +62,7 @@ fn sphere() -> Vec<Claim> {
     let uniform = ChiSquare::on(Directions::sphere())
         .density(move |_| density)
         .samples(|u: [f64; 2]| double(warp::square_to_sphere(u.map(single))))
-        .bound(bounds::DIRECTIONS)
+        .bound(bounds::SHAPES)
         .rejects("uniform angles", |u: [f64; 2]| Some(wrong::sphere_by_angles(u)))
         .rejects("a cube's points normalised", |u: [f64; 3]| Some(wrong::sphere_from_cube(u)));
     vec![
@@ -91,7 +91,7 @@ fn hemisphere() -> Vec<Claim> {
     let uniform = ChiSquare::on(Directions::hemisphere())
         .density(move |_| density)
         .samples(|u: [f64; 2]| double(warp::square_to_hemisphere(u.map(single))))
-        .bound(bounds::DIRECTIONS)
+        .bound(bounds::SHAPES)
         .rejects("uniform angles", |u: [f64; 2]| Some(wrong::hemisphere_by_angles(u)))
         .rejects("in proportion to the cosine", |u: [f64; 2]| Some(wrong::hemisphere_cosine(u)));
     vec![
@@ -119,7 +119,7 @@ fn cosine_hemisphere() -> Vec<Claim> {
     let cosine = ChiSquare::on(Directions::hemisphere())
         .density(density)
         .samples(|u: [f64; 2]| double(warp::square_to_cosine_hemisphere(u.map(single))))
-        .bound(bounds::DIRECTIONS)
+        .bound(bounds::SHAPES)
         .rejects("uniform directions", |u: [f64; 2]| Some(wrong::hemisphere_uniform(u)));
     vec![
         cosine.claim("warp/cosine-hemisphere/distribution", "directions follow cos θ/π"),
@@ -152,7 +152,7 @@ fn cone() -> Vec<Claim> {
         ChiSquare::on(Directions::cone(half_angle))
             .density(move |_| 1.0 / (TAU * depth))
             .samples(move |u: [f64; 2]| double(warp::square_to_cone(u.map(single), nearest(depth))))
-            .bound(bounds::DIRECTIONS)
+            .bound(bounds::SHAPES)
             .rejects("uniform angle from the axis", move |u: [f64; 2]| {
                 Some(wrong::cone_by_angle(u, half_angle))
             })
@@ -200,7 +200,7 @@ fn phong() -> Vec<Claim> {
     let lobe = ChiSquare::on(Directions::hemisphere())
         .density(density)
         .samples(move |u: [f64; 2]| double(warp::square_to_phong(u.map(single), exponent)))
-        .bound(bounds::DIRECTIONS)
+        .bound(bounds::SHAPES)
         .rejects("exponent e in the place of e + 1", |u: [f64; 2]| {
             Some(wrong::phong_with_exponent(u, EXPONENT))
         });

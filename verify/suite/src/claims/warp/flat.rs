@@ -76,7 +76,7 @@ fn triangle() -> Vec<Claim> {
         ChiSquare::on(weights())
             .density(|_| 2.0)
             .samples(move |u: [f64; 2]| Some(map(u.map(single)).map(f64::from)))
-            .bound(bounds::DISTRIBUTION)
+            .bound(bounds::SHAPES)
             .rejects("weights divided by their sum", |u: [f64; 2]| Some(wrong::triangle_normalised(u)))
     };
     let root = test(warp::square_to_triangle)
@@ -118,7 +118,7 @@ fn parallelogram() -> Vec<Claim> {
     let uniform = ChiSquare::on(domain)
         .density(move |_| 1.0 / area)
         .samples(map)
-        .bound(bounds::DISTRIBUTION)
+        .bound(bounds::SHAPES)
         .rejects("product of both numbers along one edge", |u| {
             Some(wrong::parallelogram_sheared(u, CORNERS))
         });
@@ -166,7 +166,7 @@ fn tent() -> Vec<Claim> {
     let test = ChiSquare::on(Interval::new(-RADIUS, RADIUS).expect("not empty"))
         .density(closed_form)
         .samples(move |[u]: [f64; 1]| Some(f64::from(warp::unit_to_tent(single(u), radius))))
-        .bound(bounds::DISTRIBUTION)
+        .bound(bounds::SHAPES)
         .rejects("right half without its root", |[u]: [f64; 1]| Some(wrong::tent_half_rooted(u, RADIUS)))
         .rejects("box", |[u]: [f64; 1]| Some(wrong::tent_as_box(u, RADIUS)));
     // Quotient, difference and quotient: roundings of 2⁻²⁴ of 1, three at most.
