@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
 use renderer::film::{FilmSettings, Filter, Reconstruction};
 use renderer::integrator::PathTracer;
-use renderer::materials::Material;
+use renderer::materials::{Material, Metal};
 use renderer::math::Rgb;
 use renderer::math::transform::Motion;
 use renderer::render::{RenderSettings, Rendering, render};
@@ -40,6 +40,45 @@ pub fn fixed(to_world: DAffine3) -> Motion {
 pub fn diffuse(albedo: f32) -> Arc<Material> {
     let reflectance = Texture::Constant(Rgb::splat(albedo));
     Arc::new(Material::new_diffuse(reflectance).expect("albedos of claims are in [0, 1]"))
+}
+
+fn gray(value: f32) -> Texture {
+    Texture::Constant(Rgb::splat(value))
+}
+
+fn valid(material: Result<Material, renderer::ParamError>) -> Arc<Material> {
+    Arc::new(material.expect("materials of claims are valid"))
+}
+
+/// Phong's model with a diffuse and a specular reflectance.
+pub fn phong([diffuse, specular]: [f32; 2], exponent: f32) -> Arc<Material> {
+    valid(Material::new_phong(gray(diffuse), gray(specular), exponent))
+}
+
+/// A rough mirror, GGX: index 0 and extinction 1 reflect all light, so that what is lost is the model's.
+pub fn rough_mirror(alpha: f32, reflectance: f32) -> Arc<Material> {
+    let metal = Metal::new(Rgb::BLACK, Rgb::WHITE).expect("a mirror");
+    valid(Material::new_rough_conductor([alpha; 2], metal, gray(reflectance)))
+}
+
+/// A mirror blurred on a disk.
+pub fn blurred_mirror(blur: f32, reflectance: f32) -> Arc<Material> {
+    valid(Material::new_blur_disk(blur, None, gray(reflectance), gray(1.0)))
+}
+
+/// Glass blurred on a disk.
+pub fn blurred_glass(blur: f32, eta: f32) -> Arc<Material> {
+    valid(Material::new_blur_disk(blur, Some(eta), gray(1.0), gray(1.0)))
+}
+
+/// Smooth glass.
+pub fn glass(eta: f32) -> Arc<Material> {
+    tinted_glass(eta, 1.0)
+}
+
+/// Smooth glass that lets a share of the refracted light through each face.
+pub fn tinted_glass(eta: f32, transmittance: f32) -> Arc<Material> {
+    valid(Material::new_dielectric(eta, gray(1.0), gray(transmittance)))
 }
 
 /// A black shape that emits the radiance 1 on the side of its normal.

@@ -38,6 +38,8 @@ struct Lamp {
     bend: f64,
     /// Points from which it is seen, and the solid angle that it fills there.
     views: [(DVec3, f64); 4],
+    /// Points of a replicate, `side`²: more where they jump between triangles or turn away at a limb.
+    side: u32,
 }
 
 /// Middle of the flat lights, which face `A` × `B`.
@@ -75,6 +77,7 @@ fn rectangle() -> Lamp {
         area: 4.0 * A.cross(B).length(),
         bend: 0.0,
         views: views_of(&corners),
+        side: 24,
     }
 }
 
@@ -102,6 +105,7 @@ fn triangle() -> Lamp {
         area: 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length(),
         bend: 0.0,
         views: views_of(&corners.map(|c| c.to_array())),
+        side: 24,
     }
 }
 
@@ -120,6 +124,7 @@ fn disk() -> Lamp {
         area: std::f64::consts::PI * RADIUS * RADIUS,
         bend: 0.0,
         views: [1.0, 0.5, 3.0, 0.8].map(|h| (CENTRE + h * x.cross(y), disk_solid_angle(RADIUS, h))),
+        side: 24,
     }
 }
 
@@ -134,6 +139,7 @@ fn sphere() -> Lamp {
         area: 4.0 * std::f64::consts::PI * RADIUS * RADIUS,
         bend: 1.0 / RADIUS,
         views: [2.0, 1.4, 5.0, 1.6].map(view),
+        side: 64,
     }
 }
 
@@ -147,6 +153,7 @@ fn mesh() -> Lamp {
         name: "mesh",
         shape: mesh_of(&VERTICES.map(flat), &TRIANGLES),
         to_world: DAffine3::IDENTITY,
+        side: 64,
         ..rectangle()
     }
 }

@@ -4,12 +4,16 @@ use verify::claim::Claim;
 
 mod effect;
 mod filter;
+mod fresnel;
+mod furnace;
 mod generator;
 mod image;
 mod irradiance;
 mod jittered;
 mod lens;
 mod light;
+mod lobe;
+mod material;
 mod pointwise;
 mod recorded;
 mod relation;
@@ -49,6 +53,10 @@ pub fn all() -> Vec<Claim> {
         filter::claims(),
         light::claims(),
         irradiance::claims(),
+        fresnel::claims(),
+        lobe::claims(),
+        material::claims(),
+        furnace::claims(),
         relation::claims(),
         effect::claims(),
         image::claims(),

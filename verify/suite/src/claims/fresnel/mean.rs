@@ -1,0 +1,190 @@
+//! Means of Fresnel's reflectance: over diffuse light, as the choice of a branch, and between the faces of a slab.
+
+use glam::{DAffine3, DVec3, Vec3};
+use renderer::materials::{Bsdf, Material};
+use renderer::math::Rgb;
+use renderer::scene::{IntegratorSettings, ObjectSettings, Scene};
+use renderer::shapes::ShapeSettings;
+use renderer::texture::Texture;
+use verify::claim::{Claim, Evidence, Run, claim};
+use verify::error::InputError;
+use verify::mean::{MeanClaim, joint_control, joint_evidence};
+
+use super::super::jittered;
+use super::super::lobe::closed_form;
+use crate::bounds;
+use crate::setup::{glass, lamp, radiance, rectangle_at, spot, subject, thing};
+
+pub(super) fn claims() -> Vec<Claim> {
+    vec![diffuse(), choice(), slab()]
+}
+
+/// Rounding of single precision in means of densities and reflectances: at most 16 roundings of 2⁻²⁴ that all agree.
+const ROUNDING: f64 = 1e-6;
+
+fn about(exact: f64) -> MeanClaim {
+    MeanClaim { rounding: ROUNDING, ..MeanClaim::relative(exact, bounds::FRESNEL) }
+}
+
+/// A smooth boundary of index `eta`.
+fn boundary(eta: f32) -> Bsdf {
+    let white = || Texture::Constant(Rgb::WHITE);
+    Material::new_dielectric(eta, white(), white()).expect("indices of claims are valid").bsdf([0.0; 2])
+}
+
+/// The mean of a dielectric's reflectance over diffuse light from outside, and from inside.
+///
+/// # Source
+/// Walsh 1926, "The reflection factor of a polished glass surface for diffused light"; from inside, what is refracted is
+/// 1/n² of what comes from outside, for the same light in both directions.
+fn walsh(n: f64) -> [f64; 2] {
+    let (n2, n4) = (n * n, n.powi(4));
+    let outside = 0.5
+        + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
+        + n2 * (n2 - 1.0).powi(2) / (n2 + 1.0).powi(3) * ((n - 1.0) / (n + 1.0)).ln()
+        - 2.0 * n2 * n * (n2 + 2.0 * n - 1.0) / ((n2 + 1.0) * (n4 - 1.0))
+        + 8.0 * n4 * (n4 + 1.0) / ((n2 + 1.0) * (n4 - 1.0).powi(2)) * n.ln();
+    [outside, 1.0 - (1.0 - outside) / n2]
+}
+
+/// Indices of water, glass and diamond's neighbourhood.
+const INDICES: [f32; 3] = [1.33, 1.5, 2.0];
+
+/// Samples of a replicate: 64 by 64.
+const SIDE: u32 = 64;
+
+fn diffuse() -> Claim {
+    let means =
+        || INDICES.map(f64::from).map(walsh).as_flattened().iter().map(|&f| about(f)).collect::<Vec<_>>();
+    let sampled = |i: usize, seed: u64, height: fn(f32) -> f32| {
+        let bsdf = boundary(INDICES[i / 2]);
+        let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+        jittered::mean(seed, SIDE, |_, share| {
+            let z = height(share);
+            f64::from(bsdf.branch_probability_fresnel(Vec3::new((1.0 - z * z).sqrt(), 0.0, side * z)))
+        })
+    };
+    // The share of light below a height: z² of what follows the cosine, z of what is uniform.
+    let (cosine, uniform): (fn(f32) -> f32, fn(f32) -> f32) = (f32::sqrt, |share| share);
+    claim(
+        "fresnel/diffuse/mean",
+        "diffuse light is reflected as Walsh's closed form says, from outside and inside",
+    )
+    .rejects("2.2 × resolution", move |run| joint_control(&means(), run, |i, seed| sampled(i, seed, cosine)))
+    .rejects("uniform directions", move |run| {
+        joint_evidence(&means(), run, |i, seed| sampled(i, seed, uniform))
+    })
+    .rejects("index 1 % too large", move |run| {
+        let means: Vec<_> =
+            INDICES.map(|n| walsh(1.01 * f64::from(n))).as_flattened().iter().map(|&f| about(f)).collect();
+        joint_evidence(&means, run, |i, seed| sampled(i, seed, cosine))
+    })
+    .by(move |run| joint_evidence(&means(), run, |i, seed| sampled(i, seed, cosine)))
+}
+
+/// Cosines from outside and inside at which the choice of a branch is counted, and indices.
+const COSINES: [[f32; 2]; 5] = [[1.0, 3.0], [0.5, 2.0], [0.1, 1.5], [-0.9, 2.0], [-0.76, 1.5]];
+
+fn choice() -> Claim {
+    let exact = |[z, eta]: [f32; 2]| {
+        let far = if z > 0.0 { f64::from(eta) } else { 1.0 / f64::from(eta) };
+        // The closed form is 0/0 at normal incidence, where R is flat: 1e-7 less of a cosine changes it by less than that.
+        closed_form::fresnel(f64::from(z.abs()).min(0.999_999_9), far)
+    };
+    let means = move || COSINES.map(|place| about(exact(place)));
+    let reflected = |i: usize, seed: u64, scale: f32| {
+        let [z, eta] = COSINES[i];
+        let (wo, bsdf) = (Vec3::new((1.0 - z * z).sqrt(), 0.0, z), boundary(eta));
+        // The third number alone decides; by itself it fills its range evenly.
+        jittered::mean(seed, SIDE, |u, lobe| {
+            f64::from(u8::from(bsdf.sample(wo, scale * lobe, u).is_some_and(|s| !s.transmitted)))
+        })
+    };
+    claim(
+        "fresnel/dielectric/choice",
+        "one branch is reflected with the probability of its share of the power",
+    )
+    .rejects("2.2 × resolution", move |run| joint_control(&means(), run, |i, seed| reflected(i, seed, 1.0)))
+    .rejects("one half each", move |run| {
+        joint_evidence(&means().map(|mean| MeanClaim { exact: 0.5, ..mean }), run, |i, seed| {
+            reflected(i, seed, 1.0)
+        })
+    })
+    .rejects("numbers from 0 to 0.99", move |run| {
+        joint_evidence(&means(), run, |i, seed| reflected(i, seed, 0.99))
+    })
+    .by(move |run| joint_evidence(&means(), run, |i, seed| reflected(i, seed, 1.0)))
+}
+
+/// Samples a replicate of the slab.
+const SAMPLES: u32 = 256;
+
+/// A slab of glass between an eye and a lamp of radiance 1, and one before a lamp behind the eye.
+fn slabs() -> Result<[Scene; 2], InputError> {
+    let slab = || {
+        let to_world = DAffine3::from_scale(DVec3::new(10.0, 10.0, 0.25));
+        thing(ShapeSettings::Cube, to_world, glass(1.5))
+    };
+    let build = |lamp: ObjectSettings| {
+        // Without roulette, which would only add noise: a branch of less than 1/64 is followed by chance as it is.
+        let integrator = IntegratorSettings {
+            rr_depth: 100,
+            branch: renderer::scene::Branch::Both,
+            ..IntegratorSettings::PATH
+        };
+        Scene::new(&spot(
+            DVec3::new(0.1, 0.2, -3.0),
+            DVec3::new(0.1, 0.2, 0.0),
+            vec![slab(), lamp],
+            integrator,
+        ))
+        .map_err(subject)
+    };
+    let behind = rectangle_at(DVec3::new(0.0, 0.0, 3.0), DVec3::X, -DVec3::Y);
+    let at_the_eye = rectangle_at(DVec3::new(0.0, 0.0, -6.0), DVec3::X, DVec3::Y);
+    Ok([build(lamp(ShapeSettings::Rectangle, behind))?, build(lamp(ShapeSettings::Rectangle, at_the_eye))?])
+}
+
+fn slab() -> Claim {
+    let of = |single_face: f64, run: &Run| -> Result<Evidence, InputError> {
+        let through = (1.0 - single_face) / (1.0 + single_face);
+        let scenes = slabs()?;
+        joint_evidence(&[about(through), about(1.0 - through)], run, |i, seed| {
+            radiance(&scenes[i], SAMPLES, seed)
+        })
+    };
+    let face: f64 = 0.04; // ((1.5 − 1)/(1.5 + 1))²
+    claim(
+        "fresnel/slab/both-faces",
+        "a slab lets (1 − R)/(1 + R) through and reflects 2R/(1 + R), with all its echoes",
+    )
+    .rejects("2.2 × resolution", move |run| {
+        let scenes = slabs()?;
+        let through = (1.0 - face) / (1.0 + face);
+        joint_control(&[about(through), about(1.0 - through)], run, |i, seed| {
+            radiance(&scenes[i], SAMPLES, seed)
+        })
+    })
+    .rejects("one face", move |run| of(face / (2.0 - face), run))
+    .rejects("R 1 % too large", move |run| of(1.01 * face, run))
+    .by(move |run| of(face, run))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walsh_is_the_integral_of_fresnel() {
+        let n = 200_000;
+        for index in INDICES.map(f64::from) {
+            for (exact, far) in walsh(index).into_iter().zip([index, 1.0 / index]) {
+                let at = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+                let mean =
+                    (0..n).map(|i| closed_form::fresnel(at(i).sqrt(), far)).sum::<f64>() / f64::from(n);
+                // Midpoint rule; at the critical angle and at grazing R ends like a root: h^1.5 = 1e-8 times a slope of 10.
+                assert!((mean - exact).abs() < 1e-7, "{index}: {mean} {exact}");
+            }
+        }
+    }
+}
