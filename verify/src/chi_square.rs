@@ -240,6 +240,14 @@ impl<D: Domain> Target<D> {
         judge::sample_count(self.expected()?, bound)
     }
 
+    /// The smallest RMS relative error that counts of `n` independent points would show with power 0.9.
+    ///
+    /// # Errors
+    /// `Density`, `Quadrature`, `TooFew`.
+    pub fn resolution(&self, n: u64) -> Result<f64, InputError> {
+        Ok(judge::resolution(self.expected()?, n))
+    }
+
     /// Tests counts of independent points.
     ///
     /// * `histogram`: of the shape that [`histogram`](Self::histogram) gives, with at least 10 samples;

@@ -54,3 +54,39 @@ pub const INTER_REFLECTION_PERCENT: f64 = 1.0;
 
 /// The same of the maps to other shapes than the disk, for a quarter of the time: about 5.3e5 samples.
 pub const SHAPES: f64 = 0.02;
+
+/// Largest error of a slope of ln RMSE against ln N.
+///
+/// 1,000 replicates at each of four sample counts that are spaced by 4 leave a standard error of 0.32/√2000 = 0.007.
+pub const SLOPE: f64 = 0.05;
+
+/// Largest relative error of the variance of a sampler's means against the exact variance of its family.
+///
+/// A variance from 4,096 replicates has the relative standard error √(2/4096) = 2.2 %; six of them at once have limits of 4.3 such errors.
+pub const VARIANCE: f64 = 0.2;
+
+/// Largest relative error of a sampler's mean discrepancy against that of its family; 4,096 replicates as for variances.
+pub const DISCREPANCY: f64 = 0.1;
+
+/// Largest RMS relative error over cells of a generator's single numbers; half as sharp as that of pairs, which contain them.
+pub const GENERATOR: f64 = 0.02;
+
+/// Largest RMS relative error over cells of one number or point of a sampler over its randomisations.
+pub const MARGINAL: f64 = 0.02;
+
+/// Largest relative error of the mean of an integrand over stratified or low-discrepancy points.
+pub const MEAN: f64 = 0.002;
+
+/// Largest relative error of the mean of an integrand over independent points: 10⁶ of them have an error of σ/μ/1000 = 0.1 %.
+pub const MEAN_INDEPENDENT: f64 = 0.01;
+
+/// Largest share of point sets that are not as even as they should be; 7,600 sets without a miss settle it.
+pub const UNEVEN: f64 = 1e-3;
+
+/// Largest correlation between two numbers that have nothing to do with each other.
+///
+/// Of about 700 pairs of streams the rarest is seen some 3,000 times: limits of 5 standard errors of 1/√3000, around the largest of 700 estimates, which is 3.5 of them.
+pub const CORRELATION: f64 = 0.2;
+
+/// Smallest distance of a linear complexity from theory's that is not tolerated: of random bits one of 16 or more has probability 2·4^−16 = 5e-10.
+pub const LINEAR_COMPLEXITY: f64 = 16.0;

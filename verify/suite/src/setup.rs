@@ -12,7 +12,7 @@ use renderer::materials::{Material, Metal};
 use renderer::math::Rgb;
 use renderer::math::transform::Motion;
 use renderer::render::{RenderSettings, Rendering, render};
-use renderer::sampling::SamplerKind;
+use renderer::sampling::{DecisionSet, Independent, Sampler, SamplerKind, Sobol, Stratified};
 use renderer::scene::{
     IntegratorSettings, ObjectSettings, SamplerSettings, Scene, SceneDescription, Strategy,
 };
@@ -200,4 +200,15 @@ pub fn radiance(scene: &Scene, samples: u32, seed: u64) -> f64 {
 /// The irradiance [W m⁻²] at the receiver of `scene`, which [`receiver`] made.
 pub fn irradiance(scene: &Scene, samples: u32, seed: u64) -> f64 {
     PI * radiance(scene, samples, seed)
+}
+
+/// The sampler of that kind and seed for `samples` per pixel and replicate.
+///
+/// * `planned`: the decisions before the first bounce.
+pub fn sampler(kind: SamplerKind, seed: u64, planned: DecisionSet, samples: u32) -> Box<dyn Sampler> {
+    match kind {
+        SamplerKind::Independent => Box::new(Independent::new(seed)),
+        SamplerKind::Stratified => Box::new(Stratified::new(seed, samples)),
+        SamplerKind::Sobol => Box::new(Sobol::new(seed, planned)),
+    }
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+pub mod samplers;
+
 /// Polar coordinates to Cartesian ones; a full turn is 1.
 fn polar(radius: f64, turn: f64) -> [f64; 2] {
     let (sin, cos) = (TAU * turn).sin_cos();

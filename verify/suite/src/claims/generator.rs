@@ -2,6 +2,9 @@
 
 use std::sync::Arc;
 
+mod complexity;
+mod interval;
+
 use renderer::math::float::unit_f32;
 use renderer::sampling::generators::Generator;
 use verify::chi_square::{ChiSquare, Target};
@@ -32,9 +35,12 @@ const SHORT: usize = BITS / 2 - 40;
 /// Starts a generator from a run's seed.
 type Start = fn(u64) -> Generator;
 
+/// A generator's name and its start.
+type Named = (&'static str, Start);
+
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    let all: [(&str, Start); 4] = [
+    let all: [Named; 4] = [
         ("lcg", |seed| Generator::lcg(low_word(seed))),
         ("mersenne-twister", |seed| Generator::mersenne_twister(low_word(seed))),
         ("pcg", Generator::pcg),
@@ -46,6 +52,8 @@ pub(super) fn claims() -> Vec<Claim> {
     list.extend(strong.iter().map(|&(name, start)| low_bit(name, start)));
     // The Mersenne Twister's 624 words of state make a million streams too dear.
     list.extend(all[2..].iter().map(|&(name, start)| streams(name, start)));
+    list.extend(interval::claims(all));
+    list.extend(complexity::claims(all));
     list
 }
 

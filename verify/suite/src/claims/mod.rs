@@ -2,6 +2,7 @@
 
 use verify::claim::Claim;
 
+mod convergence;
 mod effect;
 mod filter;
 mod fresnel;
@@ -17,6 +18,7 @@ mod material;
 mod pointwise;
 mod recorded;
 mod relation;
+mod sampler;
 mod warp;
 
 pub use image::set_references;
@@ -48,6 +50,8 @@ pub const GROUPS: [&str; 19] = [
 pub fn all() -> Vec<Claim> {
     [
         generator::claims(),
+        sampler::claims(),
+        convergence::claims(),
         warp::claims(),
         lens::claims(),
         filter::claims(),
