@@ -157,6 +157,11 @@ pub fn schlick(cos: f64, eta: f64) -> f64 {
     r0 + (1.0 - r0) * (1.0 - cos).powi(5)
 }
 
+/// A number from the lowest 8 bits of a word, which has 256 values.
+pub fn lowest_8_bits(word: u32) -> f64 {
+    f64::from(word & 0xff) / 256.0
+}
+
 /// A number from the lowest 16 bits of a word: those of a linear congruential generator repeat after 65,536 numbers.
 pub fn lowest_16_bits(word: u32) -> f64 {
     f64::from(word & 0xffff) / 65_536.0

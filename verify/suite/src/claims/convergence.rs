@@ -16,7 +16,7 @@ use crate::wrong::samplers::{Confused, in_pairs, repeating_after_64};
 const COUNTS: [u32; 4] = [16, 64, 256, 1024];
 
 /// Replicates for a slope, at each sample count.
-const REPLICATES: u64 = 1000;
+const REPLICATES: u64 = 600;
 
 /// Sample counts at which variances are compared.
 const VARIANCE_COUNTS: [u32; 2] = [16, 64];

@@ -23,8 +23,8 @@ fn uniform(name: &str, start: Start, lcg: Start) -> Claim {
     let (control, gross) = (target.clone(), target.clone());
     let single = |generator: &mut Generator| f64::from(generator.next_f32());
     claim(format!("generator/{name}/uniform"), "numbers are uniform on [0, 1)")
-        .rejects("lowest 16 bits of the linear congruential generator", move |run| {
-            counted(&gross, run, lcg, |generator| wrong::lowest_16_bits(generator.next_u32()))
+        .rejects("lowest 8 bits of the linear congruential generator", move |run| {
+            counted(&gross, run, lcg, |generator| wrong::lowest_8_bits(generator.next_u32()))
         })
         .rejects("u^(1+δ), 2.2 × resolution", move |run| {
             let resolution = control.resolution(control.sample_count(bounds::GENERATOR)? * run.effort)?;
