@@ -36,12 +36,15 @@ fn about(exact: f64) -> MeanClaim {
 /// Scenes and what they should show.
 type Furnaces = Vec<(Scene, f64)>;
 
+/// A wrong version by its name: other scenes with the right values.
+type Control = (&'static str, Box<dyn Fn() -> Result<Furnaces, InputError> + Send + Sync>);
+
 /// A claim on furnaces that `built` makes; `controls` make other ones, to be held against the right values.
 fn furnace(
     (id, says): (&'static str, String),
     samples: u32,
     built: impl Fn() -> Result<Furnaces, InputError> + Clone + Send + Sync + 'static,
-    controls: Vec<(&'static str, Box<dyn Fn() -> Result<Furnaces, InputError> + Send + Sync>)>,
+    controls: Vec<Control>,
 ) -> Claim {
     let judged = move |furnaces: &Furnaces, run: &Run| -> Result<Evidence, InputError> {
         let means: Vec<MeanClaim> = furnaces.iter().map(|(_, exact)| about(*exact)).collect();
@@ -88,7 +91,7 @@ fn closed(id: &'static str, depths: &'static [Option<u32>]) -> Claim {
         if depths == [None] { (false, "without end") } else { (true, "cut after 1, 2, 3 and 6 edges") };
     let says =
         format!("inside a sphere of albedo ½ that emits 1, paths {how} add up to the geometric series");
-    let mut controls: Vec<(&'static str, Box<dyn Fn() -> Result<Furnaces, InputError> + Send + Sync>)> =
+    let mut controls: Vec<Control> =
         vec![("albedo 1 % too large", Box::new(move || build(1.01 * ALBEDO, 0)))];
     if ends {
         controls.push(("one reflection too few", Box::new(move || build(ALBEDO, 1))));
@@ -195,8 +198,7 @@ fn white(surface: Surface) -> Claim {
         Ok(list)
     };
     let says = "in light from everywhere a body is as bright as its reflectance, however light is looked for";
-    let controls: Vec<(&'static str, Box<dyn Fn() -> Result<Furnaces, InputError> + Send + Sync>)> =
-        vec![("albedo 1 % too small", Box::new(move || build(0.99)))];
+    let controls: Vec<Control> = vec![("albedo 1 % too small", Box::new(move || build(0.99)))];
     furnace((surface.id(), says.into()), surface.samples(), move || build(1.0), controls)
 }
 
@@ -208,7 +210,6 @@ fn glass_sphere() -> Claim {
         COSINES.into_iter().map(one).collect()
     };
     let says = String::from("in light from everywhere a glass sphere cannot be seen");
-    let controls: Vec<(&'static str, Box<dyn Fn() -> Result<Furnaces, InputError> + Send + Sync>)> =
-        vec![("each refraction loses 0.5 %", Box::new(move || build(1.5, 0.005)))];
+    let controls: Vec<Control> = vec![("each refraction loses 0.5 %", Box::new(move || build(1.5, 0.005)))];
     furnace(("furnace/white/glass", says), 64, move || build(1.5, 0.0), controls)
 }

@@ -58,14 +58,15 @@ fn diffuse() -> Claim {
         || INDICES.map(f64::from).map(walsh).as_flattened().iter().map(|&f| about(f)).collect::<Vec<_>>();
     let sampled = |i: usize, seed: u64, height: fn(f32) -> f32| {
         let bsdf = boundary(INDICES[i / 2]);
-        let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         jittered::mean(seed, SIDE, |_, share| {
             let z = height(share);
             f64::from(bsdf.branch_probability_fresnel(Vec3::new((1.0 - z * z).sqrt(), 0.0, side * z)))
         })
     };
     // The share of light below a height: z² of what follows the cosine, z of what is uniform.
-    let (cosine, uniform): (fn(f32) -> f32, fn(f32) -> f32) = (f32::sqrt, |share| share);
+    let cosine: fn(f32) -> f32 = f32::sqrt;
+    let uniform: fn(f32) -> f32 = |share| share;
     claim(
         "fresnel/diffuse/mean",
         "diffuse light is reflected as Walsh's closed form says, from outside and inside",
