@@ -1,9 +1,9 @@
 //! Rank 4: from a point of the image, a point of the lens and a moment to a ray.
 //!
-//! A pinhole is given by its position o, the vector f to the middle of the image plane, and the vectors s_x, s_y
-//! from there to the middle of the image's right and lower edge: the point (p_x, p_y) in [−1, 1]² of the image is
-//! at h = o + f + p_x·s_x + p_y·s_y. With a lens of radius r, f reaches to the plane in focus, and rays start at
-//! o' = o + ζ₁·r·ŝ_x + ζ₂·r·ŝ_y for (ζ₁, ζ₂) uniform on the unit disk, towards h.
+//! A pinhole is given by its position o, the vector f to the middle of the image plane, and the vectors `s_x`, `s_y`
+//! from there to the middle of the image's right and lower edge: the point (`p_x`, `p_y`) in [−1, 1]² of the image is
+//! at `h = o + f + p_x·s_x + p_y·s_y`. With a lens of radius r, f reaches to the plane in focus, and rays start at
+//! `o' = o + ζ₁·r·ŝ_x + ζ₂·r·ŝ_y` for (ζ₁, ζ₂) uniform on the unit disk, towards h.
 
 use glam::{DAffine3, DVec3, Vec3};
 

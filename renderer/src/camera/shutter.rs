@@ -43,7 +43,7 @@ impl Shutter {
     /// The moment t = open + u·(close − open), uniform in time for u uniform in [0, 1).
     ///
     /// # Measure
-    /// pdf_time = 1 / (close − open).
+    /// `pdf_time` = 1 / (close − open).
     pub fn time(&self, u: f32) -> f32 {
         #[expect(clippy::cast_possible_truncation, reason = "rays carry their time in f32")]
         let time = (self.open + f64::from(u) * self.length()) as f32;

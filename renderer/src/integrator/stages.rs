@@ -80,14 +80,12 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     for index in 0..batch.surfaces.len() {
         let Surface { path, distance, interaction, .. } = batch.surfaces[index];
         let path = batch.paths[path as usize];
-        if let Some(light) = scene.light_of(interaction.object) {
-            if interaction.surface.ng.dot(interaction.wo) > 0.0 {
-                let pdf = scene.lights.pmf() * light.pdf(&scene.accel, &interaction, distance);
-                batch.add(
-                    path.sample,
-                    path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf),
-                );
-            }
+        if let Some(light) = scene.light_of(interaction.object)
+            && interaction.surface.ng.dot(interaction.wo) > 0.0
+        {
+            let pdf = scene.lights.pmf() * light.pdf(&scene.accel, &interaction, distance);
+            batch
+                .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
         }
     }
     let Some(light) = scene.lights.background() else { return };
