@@ -41,8 +41,11 @@ fn integrand(name: &str) -> Integrand {
     Integrand::named(name).expect("the integrands of this file are in the list")
 }
 
+/// One replicate's mean of an integrand over a number of samples, from a seed.
+type Mean = fn(&Integrand, u32, u64) -> f64;
+
 /// The mean of the integrand over a pixel's first `n` points.
-pub(super) fn mean_over(sampler: &dyn Sampler, integrand: &Integrand, n: u32) -> f64 {
+fn mean_over(sampler: &dyn Sampler, integrand: &Integrand, n: u32) -> f64 {
     let value = |index: u32| {
         let sample = SampleId { pixel: [3, 1], replicate: 0, index };
         integrand.eval(sampler.draw_2d(sample, Vertex::default(), Decision::Pixel).map(f64::from))
@@ -88,7 +91,7 @@ fn slope(kind: SamplerKind, short: &str, integrand: Integrand) -> Claim {
     };
     let count = |n: u64| u32::try_from(n).expect("the counts of this file are below 2^32");
     let subject = move |n: u64, seed: u64| mean_of(kind, &integrand, count(n), seed);
-    let (mistake, wrong): (_, fn(&Integrand, u32, u64) -> f64) = match kind {
+    let (mistake, wrong): (_, Mean) = match kind {
         SamplerKind::Independent => ("numbers that repeat after 64 samples", |integrand, n, seed| {
             let inner = sampler(SamplerKind::Independent, seed, DecisionSet::EMPTY, n);
             mean_over(&Confused { inner, question: repeating_after_64 }, integrand, n)
@@ -131,7 +134,7 @@ fn variance(kind: SamplerKind) -> Claim {
     let right = move |i: usize, seed: u64| {
         squares(&|integrand, n, seed| mean_of(kind, integrand, n, seed), configuration(i), seed)
     };
-    let (mistake, wrong): (_, fn(&Integrand, u32, u64) -> f64) = match kind {
+    let (mistake, wrong): (_, Mean) = match kind {
         SamplerKind::Independent => ("samples in pairs of the same numbers", |integrand, n, seed| {
             let inner = sampler(SamplerKind::Independent, seed, DecisionSet::EMPTY, n);
             mean_over(&Confused { inner, question: in_pairs }, integrand, n)

@@ -89,7 +89,7 @@ fn sobol(seed: u64) -> Box<dyn Sampler> {
 
 /// A run of samples of a decision whose points are a net, chosen by the bits of `seed`.
 fn net_of(seed: u64) -> Set {
-    let samples = 1 << (seed >> 20) % (LARGEST_NET + 1);
+    let samples = 1 << ((seed >> 20) % (LARGEST_NET + 1));
     let block = u32::from((seed >> 32).to_le_bytes()[0]);
     let later = |bounce| Vertex { bounce, ..Vertex::default() };
     let (decision, vertex) = match (seed >> 40) % 3 {

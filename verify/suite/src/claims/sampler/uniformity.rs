@@ -47,11 +47,14 @@ struct Place {
     vertex: Vertex,
 }
 
+/// What a mistake makes of a point.
+type Change = fn([f64; 2]) -> [f64; 2];
+
 /// The claim that one sample's point at `place` is uniform on the square over seeds, pixels and replicates.
 fn marginal(kind: SamplerKind, name: &str, place: Place) -> Claim {
     let target = Arc::new(ChiSquare::on(Parallelogram::unit_square()).density(|_| 1.0));
     let (control, gross) = (target.clone(), target.clone());
-    let (mistake, wrong): (_, fn([f64; 2]) -> [f64; 2]) = match kind {
+    let (mistake, wrong): (_, Change) = match kind {
         SamplerKind::Stratified => ("grid filled in order", |u| in_order(u, INDEX % 3, 3)),
         _ => ("both numbers of the same bits", on_the_diagonal),
     };
