@@ -26,7 +26,7 @@ const STREAMS: u64 = 550_000;
 const EXPONENT: f64 = 1.02;
 
 /// Bits of which the linear complexity is taken.
-const BITS: usize = 256;
+const BITS: usize = 128;
 
 /// Complexity below which a sequence is a short recurrence: of random bits, it is BITS/2 − k or less with probability below 2^(1 − 2k), here
 /// 2⁻⁷⁹ (Rueppel 1986).
@@ -125,7 +125,7 @@ fn low_bit(name: &str, start: Start) -> Claim {
     };
     let builder = claim(
         format!("generator/{name}/low-bit"),
-        "the lowest bits of 256 successive outputs are no short linear recurrence",
+        "the lowest bits of 128 successive outputs are no short linear recurrence",
     );
     let builder = rejecting(builder, "the linear congruential generator's lowest bit", move |seed| {
         is_short(seed, |seed| Generator::lcg(low_word(seed)))
