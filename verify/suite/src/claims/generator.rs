@@ -1,4 +1,4 @@
-//! Generators: successive numbers and streams of neighbouring seeds fill the unit square, low bits are no short recurrence, and 1 never comes out.
+//! Generators: successive numbers and streams of neighbouring seeds fill the unit square, and 1 never comes out.
 
 use std::sync::Arc;
 
@@ -10,7 +10,6 @@ use renderer::sampling::generators::Generator;
 use verify::chi_square::{ChiSquare, Target};
 use verify::claim::{Claim, Run, claim};
 use verify::domain::Parallelogram;
-use verify::linear_complexity::linear_complexity;
 
 use super::pointwise::{never, rejecting};
 use crate::{bounds, wrong};
@@ -24,13 +23,6 @@ const STREAMS: u64 = 550_000;
 /// Exponent of the control: u^1.02 has an RMS relative error of 2 % (the density's relative error is −δ(1 + ln u), whose variance is δ²), which
 /// is 2.8 times the resolution of [`PAIRS`].
 const EXPONENT: f64 = 1.02;
-
-/// Bits of which the linear complexity is taken.
-const BITS: usize = 128;
-
-/// Complexity below which a sequence is a short recurrence: of random bits, it is BITS/2 − k or less with probability below 2^(1 − 2k), here
-/// 2⁻⁷⁹ (Rueppel 1986).
-const SHORT: usize = BITS / 2 - 40;
 
 /// Starts a generator from a run's seed.
 type Start = fn(u64) -> Generator;
@@ -46,10 +38,8 @@ pub(super) fn claims() -> Vec<Claim> {
         ("pcg", Generator::pcg),
         ("xoshiro", Generator::xoshiro),
     ];
-    let strong = &all[1..];
     let mut list = vec![below_one()];
     list.extend(all.iter().map(|&(name, start)| pairs(name, start)));
-    list.extend(strong.iter().map(|&(name, start)| low_bit(name, start)));
     // The Mersenne Twister's 624 words of state make a million streams too dear.
     list.extend(all[2..].iter().map(|&(name, start)| streams(name, start)));
     list.extend(interval::claims(all));
@@ -115,22 +105,6 @@ fn streams(name: &str, start: Start) -> Claim {
         test(run, |seed| Generator::lcg(low_word(seed)), &control)
     })
     .by(move |run| test(run, start, &target))
-}
-
-fn low_bit(name: &str, start: Start) -> Claim {
-    let is_short = |[seed]: [f64; 1], start: Start| {
-        let mut generator = start(seed.to_bits());
-        let bits: Vec<bool> = (0..BITS).map(|_| generator.next_u32() & 1 == 1).collect();
-        linear_complexity(&bits) <= SHORT
-    };
-    let builder = claim(
-        format!("generator/{name}/low-bit"),
-        "the lowest bits of 128 successive outputs are no short linear recurrence",
-    );
-    let builder = rejecting(builder, "the linear congruential generator's lowest bit", move |seed| {
-        is_short(seed, |seed| Generator::lcg(low_word(seed)))
-    });
-    never(builder, "share of streams with a short recurrence", move |seed| is_short(seed, start))
 }
 
 /// Words near the largest one as well as any: the former are those that rounding could take to 1.
