@@ -68,10 +68,10 @@ fn exact_variance(kind: SamplerKind, integrand: &Integrand, n: u32) -> f64 {
 
 /// The least-squares slope of the exact ln RMSE at [`COUNTS`].
 ///
-/// That is −½ for independent points. For the others it is what the asymptotic law comes to over these counts: of the disk −0.72 under jitter (law −¾)
-/// and −0.77 under nets (−¾); of the bilinear and the Gaussian function −1.00 under jitter (−1) and −1.41 and −1.48 under nets (−3/2 and a
-/// logarithm). Where the errors are no exact power of N, the slope depends a little on how the fit weighs the counts; kurtoses of the errors
-/// that differ by a fifth move it by less than 0.001, a seventh of the standard error.
+/// That is −½ for independent points. For the others it is what the asymptotic law comes to over these counts: of the disk −0.72 under
+/// jitter (law −¾) and −0.76 under nets (−¾); of the bilinear and the Gaussian function −1.00 under jitter (−1), and −1.41 and −1.44 under
+/// nets (−3/2 and the root of a logarithm). Where the errors are no exact power of N, the slope depends a little on how the fit weighs the
+/// counts; kurtoses of the errors that differ by a fifth move it by less than 0.001, a ninth of the standard error.
 fn theory(kind: SamplerKind, integrand: &Integrand) -> f64 {
     let points = COUNTS.map(|n| (f64::from(n).ln(), 0.5 * exact_variance(kind, integrand, n).ln()));
     let count = COUNTS.len() as f64;

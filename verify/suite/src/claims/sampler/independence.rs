@@ -92,7 +92,9 @@ impl Tallies {
     fn add(&mut self, both: &[Recording; 2]) {
         for recording in both {
             for set in 0..Recording::SETS {
-                let numbers = recording.numbers(set, Recording::chosen(set));
+                // the same index in both sets, where a number that is shared would be
+                let index = Recording::chosen(set);
+                let numbers = recording.numbers(set, index);
                 for (a, b, tally) in &mut self.within {
                     push(tally, numbers[*a], numbers[*b]);
                 }
@@ -102,8 +104,7 @@ impl Tallies {
                     (&mut self.replicates, Recording::next_replicate(set)),
                 ] {
                     if let Some(neighbour) = neighbour {
-                        let others = recording.numbers(neighbour, Recording::chosen(neighbour));
-                        push_each(tallies, numbers, others);
+                        push_each(tallies, numbers, recording.numbers(neighbour, index));
                     }
                 }
                 let [first, second] = [0, SAMPLES - 1].map(|index| recording.numbers(set, index));
