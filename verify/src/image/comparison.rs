@@ -9,6 +9,11 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// Relative rounding of pixels stored as f32: two conversions and a few operations, 2^-24 each.
 const ROUNDING: f64 = 1e-6;
+/// How many times the expected number of pixels may be beyond the level before it raises a doubt: samples of a path tracer are skewed,
+/// and their errors rest on few replicates. A right image of the Cornell box at 64 samples a pixel has 2.1 times the number with 8
+/// replicates, and 2.8 times with 16.
+const SKEWED: f64 = 4.0;
+
 /// Level beyond which a pixel counts.
 const PIXEL_LEVEL: f64 = 0.01;
 /// Number of tests that share the level: whole image, worst tile, all tiles.
@@ -198,7 +203,7 @@ fn doubts(a: &Image, b: &Image, pixels: &Pixels) -> Vec<String> {
     let mut doubts = Vec::new();
     if !(a.error_known() && b.error_known()) {
         doubts.push(String::from("an image does not know its errors: one replicate, one file"));
-    } else if pixels.p_value < SINGLE_RUN_LEVEL && pixels.beyond as f64 > 2.0 * pixels.expected {
+    } else if pixels.p_value < SINGLE_RUN_LEVEL && pixels.beyond as f64 > SKEWED * pixels.expected {
         // Twice, since errors from few replicates move the level itself.
         let (beyond, expected) = (pixels.beyond, pixels.expected);
         doubts
