@@ -26,7 +26,12 @@ const SCENES: [(&str, &str, u32, f64); 7] = [
         64,
         bounds::INTER_REFLECTION_PERCENT,
     ),
-    ("soft-shadow", "a square light over a square blocker: soft shadows", 16, bounds::IMAGE_PERCENT),
+    (
+        "soft-shadow",
+        "a square light over a square blocker: soft shadows",
+        16,
+        bounds::INTER_REFLECTION_PERCENT,
+    ),
     ("thin-lens", "spheres at several depths: depth of field", 32, bounds::IMAGE_PERCENT),
     ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT),
     ("glass", "glass and rough metal", 96, bounds::IMAGE_PERCENT),
@@ -60,7 +65,7 @@ pub(super) fn claims() -> Vec<Claim> {
 
 fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32, bound: f64) -> Claim {
     let last: Arc<Mutex<Option<(Run, Pixels)>>> = Arc::default();
-    let against = move |run: &Run, change: fn(&mut Pixels)| {
+    let against = move |run: &Run, change: &dyn Fn(&mut Pixels)| {
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         let mut ours = match &*last {
             // the controls change what the subject rendered
@@ -74,9 +79,12 @@ fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32, bound: f64
     };
     let (brighter, shifted) = (against.clone(), against.clone());
     claim(format!("image/{name}/mitsuba"), format!("{shows}: the image is Mitsuba's"))
-        .rejects("1 % brighter", move |run| brighter(run, |ours| ours.brighten(1.01)))
-        .rejects("one pixel to the side", move |run| shifted(run, Pixels::shift))
-        .by(move |run| against(run, |_| ()))
+        .rejects("2.2 × resolution brighter", move |run| {
+            let percent = 2.2 * brighter(run, &|_| ())?.resolution.value;
+            brighter(run, &|ours| ours.brighten(1.0 + percent / 100.0))
+        })
+        .rejects("one pixel to the side", move |run| shifted(run, &Pixels::shift))
+        .by(move |run| against(run, &|_| ()))
 }
 
 /// Means and standard errors, three channels a pixel.
