@@ -23,20 +23,15 @@ const SCENES: [(&str, &str, u32, f64); 7] = [
     (
         "cornell",
         "the Cornell box: inter-reflection between diffuse surfaces",
-        64,
+        96,
         bounds::INTER_REFLECTION_PERCENT,
     ),
-    (
-        "soft-shadow",
-        "a square light over a square blocker: soft shadows",
-        16,
-        bounds::INTER_REFLECTION_PERCENT,
-    ),
+    ("soft-shadow", "a square light over a square blocker: soft shadows", 16, bounds::IMAGE_PERCENT),
     ("thin-lens", "spheres at several depths: depth of field", 32, bounds::IMAGE_PERCENT),
     ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT),
     ("glass", "glass and rough metal", 96, bounds::IMAGE_PERCENT),
     ("mesh", "triangle meshes with smooth normals", 16, bounds::IMAGE_PERCENT),
-    ("textured", "textures", 32, bounds::IMAGE_PERCENT),
+    ("textured", "textures", 48, bounds::INTER_REFLECTION_PERCENT),
 ];
 
 /// Side of the reference images in pixels.
