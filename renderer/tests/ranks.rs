@@ -42,7 +42,7 @@ fn imports(text: &str) -> Vec<String> {
         let name = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
         match rest.strip_prefix('{') {
             Some(list) => {
-                found.extend(list.split('}').next().unwrap_or("").split(',').map(|s| name(s.trim())))
+                found.extend(list.split('}').next().unwrap_or("").split(',').map(|s| name(s.trim())));
             }
             None => found.push(name(rest)),
         }

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
 use renderer::film::{FilmSettings, Filter, Reconstruction};
-use renderer::integrator::PathTracer;
+use renderer::integrator::{Integrator, PathTracer};
 use renderer::materials::Material;
 use renderer::math::{Rgb, transform::Motion};
-use renderer::render::{RenderSettings, Rendering, render};
-use renderer::sampling::SamplerKind;
+use renderer::render::{RenderSettings, Rendering, render, render_with};
+use renderer::sampling::{Independent, SamplerKind, WithinPlan};
 use renderer::scene::{
     Branch, Effect, IntegratorSettings, LightSettings, ObjectSettings, SamplerSettings, Scene,
     SceneDescription, Strategy,
@@ -156,6 +156,29 @@ fn a_scene_calls_for_what_it_contains() {
     let plain = Scene::new(&furnace(0.5, IntegratorSettings::DIRECT)).unwrap();
     for (name, effect) in Effect::ALL {
         assert_eq!(plain.effects.contains(effect), effect == Effect::AreaLight, "{name}");
+    }
+}
+
+#[test]
+fn no_decision_is_made_that_is_not_planned() {
+    for description in [with_everything(), furnace(0.5, IntegratorSettings::DIRECT)] {
+        for branch in Branch::ALL.map(|(_, branch)| branch) {
+            let mut description = description.clone();
+            description.integrator.branch = branch;
+            let scene = Scene::new(&description).unwrap();
+            let integrator = PathTracer { settings: scene.integrator };
+            let [first, later] = integrator.decisions(&scene);
+            let sampler = WithinPlan::new(Independent::new(0), first, later);
+            let settings = RenderSettings {
+                sampler: SamplerKind::Independent,
+                samples: 4,
+                replicates: 2,
+                seed: 0,
+                threads: 0,
+            };
+            let rendering = render_with(&scene, &integrator, &sampler, &settings, &|_| ()).unwrap();
+            assert_eq!(rendering.dropped, 0);
+        }
     }
 }
 

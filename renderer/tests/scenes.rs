@@ -39,7 +39,7 @@ impl Folder {
 
     /// The refusal's message without the folder's path.
     fn refused(&self) -> String {
-        let error = self.read(&[]).err().expect("a scene that is refused");
+        let error = self.read(&[]).expect_err("a scene that is refused");
         error.to_string().replace(&format!("{}/", self.0.display()), "")
     }
 }

@@ -6,7 +6,7 @@ use crate::integrands::Family;
 ///
 /// The mean of T² is the integral over x of the variance with which the family measures the box [0, x). Random: 5/(36N). Jitter of N = n²: a
 /// cell that an edge cuts at the share a has the variance a(1 − a), so ((n − 1)/6 + 5/36)/N². Scrambled nets of N = 2^m: level k of
-/// the step 1[u < x] has the variance 2^−k/12 on average, and with the gains 0, 2 and 1 of [`net_variance`] it is
+/// the step `1[u < x]` has the variance 2^−k/12 on average, and with the gains 0, 2 and 1 of [`net_variance`] it is
 /// (20 + 6m)/(144N²).
 ///
 /// * `samples`: N; for jitter its root, for nets its logarithm is rounded down.
