@@ -16,7 +16,7 @@ pub enum Kind {
     Emission,
 }
 
-/// Wavelength [nm] and value: the knots of a piecewise linear spectrum that is zero outside them.
+/// Wavelength in nm and value: the knots of a piecewise linear spectrum that is zero outside them.
 pub type Knot = (f64, f64);
 
 const FIRST_NM: f64 = 360.0;

@@ -44,7 +44,7 @@ pub fn same_hemisphere(a: Vec3, b: Vec3) -> bool {
     a.z * b.z > 0.0
 }
 
-/// The unit vector at polar angle θ, given by its sine and cosine, and azimuth `phi` [rad] from x towards y.
+/// The unit vector at polar angle θ, given by its sine and cosine, and azimuth `phi` in radians from x towards y.
 #[inline]
 pub fn direction(sin_theta: f32, cos_theta: f32, phi: f32) -> Vec3 {
     let (sin_phi, cos_phi) = libm::sincosf(phi);

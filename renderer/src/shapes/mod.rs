@@ -154,7 +154,7 @@ impl Shape {
         }
     }
 
-    /// The area [m²].
+    /// The area in m².
     pub fn area(&self) -> f64 {
         match self {
             Self::Sphere(s) => s.area(),
