@@ -59,15 +59,7 @@ impl Integrator for PathTracer {
         let settings = &self.settings;
         let lights = settings.strategy != Strategy::Material && !scene.lights.is_empty();
 
-        stages::film_points(scene, sampler, batch);
-        if scene.effects.contains(Effect::Shutter) {
-            stages::shutter_times(scene, sampler, batch);
-        }
-        if scene.effects.contains(Effect::Lens) {
-            stages::lens_points(sampler, batch);
-        }
-        stages::camera_rays(scene, batch);
-
+        stages::camera(scene, sampler, batch);
         for depth in 1..=settings.max_depth.unwrap_or(u32::MAX) {
             if batch.paths.is_empty() {
                 break;

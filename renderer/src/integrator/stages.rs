@@ -7,10 +7,22 @@ use crate::math::{Frame, Rgb};
 use crate::ray::Ray;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
-use crate::scene::{Branch, Scene, Strategy};
+use crate::scene::{Branch, Effect, Scene, Strategy};
 
 /// Weight below which a path no longer forks.
 const FORK_MIN: f32 = 1.0 / 64.0;
+
+/// The stages from the film to the camera's rays, as far as the scene calls for them.
+pub fn camera<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
+    film_points(scene, sampler, batch);
+    if scene.effects.contains(Effect::Shutter) {
+        shutter_times(scene, sampler, batch);
+    }
+    if scene.effects.contains(Effect::Lens) {
+        lens_points(sampler, batch);
+    }
+    camera_rays(scene, batch);
+}
 
 /// Where on the film each sample lies, and its filter weight.
 pub fn film_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {

@@ -6,7 +6,7 @@ use renderer::integrator::batch::{Path, Sample};
 use renderer::integrator::{Batch, Integrator, PathTracer, stages};
 use renderer::render::{RenderSettings, render_with};
 use renderer::sampling::{Decision, DecisionSet, Independent, SampleId, Sampler, SamplerKind, Vertex};
-use renderer::scene::{Effect, Scene};
+use renderer::scene::Scene;
 use verify::chi_square::Target;
 use verify::claim::{Claim, ClaimBuilder, Evidence, Run};
 use verify::domain::Domain;
@@ -111,14 +111,7 @@ impl<D: Domain> Integrator for Recorder<'_, D> {
     }
 
     fn trace<S: Sampler>(&self, scene: &Scene, sampler: &S, batch: &mut Batch) {
-        stages::film_points(scene, sampler, batch);
-        if scene.effects.contains(Effect::Shutter) {
-            stages::shutter_times(scene, sampler, batch);
-        }
-        if scene.effects.contains(Effect::Lens) {
-            stages::lens_points(sampler, batch);
-        }
-        stages::camera_rays(scene, batch);
+        stages::camera(scene, sampler, batch);
         let mut histogram = self.histogram.lock().expect("no thread panics while it counts");
         for path in &batch.paths {
             match (self.read)(scene, &batch.samples[path.sample as usize], path) {
