@@ -57,6 +57,7 @@ pub struct ChiSquare<D: Domain> {
     controls: Vec<(String, Subject)>,
     bound: f64,
     defect_axis: usize,
+    control_resolutions: f64,
 }
 
 /// Draws samples of one sampler and counts them.
@@ -114,6 +115,17 @@ impl<D: Domain> ChiSquare<D> {
         self
     }
 
+    /// Chooses the size of the automatic control's defect, in resolutions of a sampler that shows all of it; 2.2 if
+    /// not set.
+    ///
+    /// For samplers that bring several values of a number to the same place, where their errors average: the control
+    /// is to be 2.2 resolutions of the points.
+    #[must_use]
+    pub fn defect_of(mut self, resolutions: f64) -> Self {
+        self.control_resolutions = resolutions;
+        self
+    }
+
     /// Makes it a claim, with its controls: the given ones, and the sampler itself with its first number u
     /// replaced by u^(1 + δ), where δ makes 2.2 times the resolution.
     pub fn claim(self, id: impl Into<String>, says: impl Into<String>) -> Claim {
@@ -126,10 +138,10 @@ impl<D: Domain> ChiSquare<D> {
                 builder.rejects(name, move |run| control.evidence_of(&control.controls[index].1, run, None));
         }
         let control = test.clone();
-        let name = format!("u{}^(1+δ), {CONTROL_RESOLUTIONS} × resolution", test.defect_axis);
+        let name = format!("u{}^(1+δ), {} × resolution", test.defect_axis, test.control_resolutions);
         let with_defect = move |run: &Run| {
             let resolution = control.resolution(run)?;
-            control.evidence_with_defect(run, CONTROL_RESOLUTIONS * resolution)
+            control.evidence_with_defect(run, control.control_resolutions * resolution)
         };
         builder.rejects(name, with_defect).by(move |run| test.evidence(run))
     }
@@ -218,7 +230,14 @@ impl<D: Domain> Target<D> {
     ) -> ChiSquare<D> {
         let target = Arc::new(self);
         let subject = subject(&target, sampler);
-        ChiSquare { target, subject, controls: Vec::new(), bound: DEFAULT_BOUND, defect_axis: 0 }
+        ChiSquare {
+            target,
+            subject,
+            controls: Vec::new(),
+            bound: DEFAULT_BOUND,
+            defect_axis: 0,
+            control_resolutions: CONTROL_RESOLUTIONS,
+        }
     }
 
     /// An empty histogram for [`judge`](Self::judge), to count points that come from elsewhere.

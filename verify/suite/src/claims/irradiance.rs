@@ -33,7 +33,7 @@ pub(super) fn claims() -> Vec<Claim> {
         ),
         from("irradiance/rectangle/tilted", "a tilted rectangle, partly below the horizon", 1024, tilted),
         from("irradiance/disk/parallel", "a disk parallel to the receiver, on and off its axis", 1024, disk),
-        from("irradiance/sphere/tilted", "a sphere at any tilt, partly below the horizon", 2048, sphere),
+        from("irradiance/sphere/tilted", "a sphere at any tilt, partly below the horizon", 4096, sphere),
         from("irradiance/triangle/tilted", "a tilted triangle of a mesh", 1024, triangle),
     ]
 }
