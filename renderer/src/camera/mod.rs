@@ -151,12 +151,6 @@ impl Camera {
         Ray::new(pose.o, (pose.f + on_plane).normalize(), time)
     }
 
-    /// The point o' of the lens for `zeta` on the unit disk, in the render frame.
-    pub fn lens_point(&self, zeta: [f32; 2], time: f32) -> Vec3 {
-        let pose = self.pose_at(time);
-        pose.o + zeta[0] * pose.lens_x + zeta[1] * pose.lens_y
-    }
-
     /// The ray from the lens at `zeta` on the unit disk through the plane in focus at `p`: direction h − o'.
     pub fn lens_ray(&self, p: [f32; 2], zeta: [f32; 2], time: f32) -> Ray {
         let pose = self.pose_at(time);

@@ -130,11 +130,6 @@ impl FilterSampler {
         Ok(Self { filter, knots, density, cdf, integral: integral(&filter) })
     }
 
-    /// The filter drawn from.
-    pub fn filter(&self) -> Filter {
-        self.filter
-    }
-
     /// Whether this is the plain average over the pixel.
     pub fn is_pixel(&self) -> bool {
         self.filter == Filter::PIXEL

@@ -3,7 +3,7 @@
 use super::batch::{Batch, Path, Surface};
 use crate::lights::Light;
 use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe};
-use crate::math::{Frame, Rgb};
+use crate::math::Rgb;
 use crate::ray::Ray;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
@@ -81,7 +81,7 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
     for (index, (path, hit)) in (0..).zip(batch.paths.iter().zip(&batch.hits)) {
         if let Some(hit) = hit {
             let interaction = scene.accel.interaction(&path.ray, hit);
-            let frame = Frame::from_z(interaction.surface.n);
+            let frame = interaction.frame();
             batch.surfaces.push(Surface { path: index, distance: hit.t, interaction, frame });
         }
     }
