@@ -73,6 +73,7 @@ pub struct Claim {
     says: String,
     bound: Option<f64>,
     criterion: Criterion,
+    first_level: Level,
     trial: Trial<'static>,
     controls: Vec<(String, Trial<'static>)>,
 }
@@ -134,7 +135,7 @@ impl ClaimBuilder {
     /// Completes the claim with the trial of its subject.
     pub fn by(self, trial: impl Fn(&Run) -> Result<Evidence, InputError> + Send + Sync + 'static) -> Claim {
         let Self { id, says, bound, criterion, controls } = self;
-        Claim { id, says, bound, criterion, trial: Box::new(trial), controls }
+        Claim { id, says, bound, criterion, first_level: Level::Quick, trial: Box::new(trial), controls }
     }
 }
 
@@ -149,6 +150,24 @@ impl Claim {
         &self.says
     }
 
+    /// Leaves the claim out of the levels below `level`, at which it runs with its own sample count.
+    ///
+    /// For what costs too much for the quick level, or repeats there what a cheaper claim shows.
+    pub fn from_level(mut self, level: Level) -> Self {
+        self.first_level = level;
+        self
+    }
+
+    /// The lowest level whose list the claim is in.
+    pub fn first_level(&self) -> Level {
+        self.first_level
+    }
+
+    /// The factor on the claim's own sample count at `level`; 1 below its first level.
+    fn effort(&self, level: Level) -> u64 {
+        (level.effort() / self.first_level.effort()).max(1)
+    }
+
     /// The names of its controls.
     pub fn controls(&self) -> impl Iterator<Item = &str> {
         self.controls.iter().map(|(name, _)| name.as_str())
@@ -158,7 +177,7 @@ impl Claim {
     /// subject's first run: a control differs from the subject by its mistake alone.
     ///
     /// * `seed`: master seed; each run's own derives from it, the claim's id and the step.
-    /// * `level`: factor on the sample count.
+    /// * `level`: with the claim's first level, the factor on the sample count.
     ///
     /// # Errors
     /// Whatever a trial cannot do; and `Parameter` when a p-value or a bound is not a number, which no
@@ -168,7 +187,7 @@ impl Claim {
         let (mut verdict, mut rejections, mut runs) = (Verdict::Undecided, 0, 0u8);
         let mut last = None;
         for (step, factor) in (0u64..).zip(ESCALATION) {
-            let run = Run { seed: Seed::derive(seed, &self.id, step), effort: level.effort() * factor };
+            let run = Run { seed: Seed::derive(seed, &self.id, step), effort: self.effort(level) * factor };
             let evidence = self.evidence(&self.trial, &run)?;
             runs += 1;
             let rejected = self.rejected(&evidence);
@@ -202,7 +221,7 @@ impl Claim {
 
     fn run_controls(&self, seed: u64, level: Level) -> Result<Vec<ControlOutcome>, InputError> {
         let control = |(name, trial): &(String, Trial<'static>)| {
-            let run = Run { seed: Seed::derive(seed, &self.id, 0), effort: level.effort() };
+            let run = Run { seed: Seed::derive(seed, &self.id, 0), effort: self.effort(level) };
             let evidence = self.evidence(trial, &run)?;
             Ok(ControlOutcome {
                 name: name.clone(),
@@ -313,6 +332,14 @@ mod tests {
         let runs = runs.lock().expect("no panic inside");
         assert_eq!(runs.iter().map(|run| run.effort).collect::<Vec<_>>(), [8, 32, 128]);
         assert!(runs[0].seed != runs[1].seed && runs[1].seed != runs[2].seed && runs[0].seed != 7);
+    }
+
+    #[test]
+    fn a_claim_from_a_level_on_has_its_own_sample_count_there() {
+        let trial = |run: &Run| Ok(Evidence { n: run.effort, ..found(0.5, [0.0, 0.1]) });
+        let claim = claim("a/b/c", "").by(trial).from_level(Level::Standard);
+        let n = |level| claim.run(0, level).expect("runs").evidence.n;
+        assert_eq!([Level::Quick, Level::Standard, Level::Exhaustive].map(n), [1, 1, 8]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ pub struct Run {
 }
 
 /// How thoroughly claims are run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// The claim's own sample count.
     Quick,

@@ -71,6 +71,16 @@ fn claims_are_listed_and_chosen_by_patterns_that_cross_slashes() {
 }
 
 #[test]
+fn a_claim_of_a_higher_level_is_refused_with_its_level() {
+    let (output, _) = lightproof("above", &["verify", "--only", "image/mesh/mitsuba"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("its claims run from --level standard on"));
+    let (output, _) =
+        lightproof("above", &["verify", "--list", "--level", "standard", "--only", "image/mesh/mitsuba"]);
+    assert!(output.status.success());
+}
+
+#[test]
 fn an_unknown_claim_is_refused_with_the_nearest_names() {
     let (output, _) = lightproof("unknown", &["verify", "--only", "warp/dsk/pfd"]);
     assert_refused(&output, &["warp/dsk/pfd", "warp/disk/pdf"]);

@@ -8,7 +8,7 @@ use renderer::integrator::PathTracer;
 use renderer::io::{Provenance, mitsuba, png, rendering};
 use renderer::render::{RenderSettings, Rendering, render};
 use renderer::scene::Scene;
-use verify::claim::{Claim, Run, claim};
+use verify::claim::{Claim, Level, Run, claim};
 use verify::error::InputError;
 use verify::image::{Image, compare};
 
@@ -18,20 +18,27 @@ use crate::report::Gallery;
 use crate::setup::subject;
 use crate::side::Side;
 
-/// Each scene with what it shows, the samples a pixel, and the bound in percent that they settle.
-const SCENES: [(&str, &str, u32, f64); 7] = [
+/// Each scene with what it shows, the samples a pixel, the bound in percent that they settle, and the first level.
+const SCENES: [(&str, &str, u32, f64, Level); 7] = [
     (
         "cornell",
         "the Cornell box: inter-reflection between diffuse surfaces",
         96,
         bounds::INTER_REFLECTION_PERCENT,
+        Level::Quick,
     ),
-    ("soft-shadow", "a square light over a square blocker: soft shadows", 16, bounds::IMAGE_PERCENT),
-    ("thin-lens", "spheres at several depths: depth of field", 32, bounds::IMAGE_PERCENT),
-    ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT),
-    ("glass", "glass and rough metal", 96, bounds::IMAGE_PERCENT),
-    ("mesh", "triangle meshes with smooth normals", 16, bounds::IMAGE_PERCENT),
-    ("textured", "textures", 48, bounds::INTER_REFLECTION_PERCENT),
+    (
+        "soft-shadow",
+        "a square light over a square blocker: soft shadows",
+        16,
+        bounds::IMAGE_PERCENT,
+        Level::Quick,
+    ),
+    ("thin-lens", "spheres at several depths: depth of field", 32, bounds::IMAGE_PERCENT, Level::Quick),
+    ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT, Level::Quick),
+    ("glass", "glass and rough metal", 96, bounds::IMAGE_PERCENT, Level::Quick),
+    ("mesh", "triangle meshes with smooth normals", 16, bounds::IMAGE_PERCENT, Level::Standard),
+    ("textured", "textures", 48, bounds::INTER_REFLECTION_PERCENT, Level::Standard),
 ];
 
 /// Side of the reference images in pixels.
@@ -55,7 +62,10 @@ fn references() -> &'static Path {
 ///
 /// A reference is drawn once, so that the three runs of a failing claim share its error, which the comparison counts.
 pub(super) fn claims() -> Vec<Claim> {
-    SCENES.into_iter().map(|(name, shows, spp, bound)| against_mitsuba(name, shows, spp, bound)).collect()
+    SCENES
+        .into_iter()
+        .map(|(name, shows, spp, bound, level)| against_mitsuba(name, shows, spp, bound).from_level(level))
+        .collect()
 }
 
 fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32, bound: f64) -> Claim {

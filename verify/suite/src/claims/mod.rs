@@ -1,6 +1,6 @@
 //! What is asserted about the renderer: one file a group, all of them in one list for the tests, the program and the page.
 
-use verify::claim::Claim;
+use verify::claim::{Claim, Level};
 
 mod convergence;
 mod effect;
@@ -68,6 +68,11 @@ pub fn all() -> Vec<Claim> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// The claims that belong to `level`: those of the levels below it, and its own.
+pub fn at(level: Level) -> Vec<Claim> {
+    all().into_iter().filter(|claim| claim.first_level() <= level).collect()
 }
 
 #[cfg(test)]

@@ -31,6 +31,14 @@ pub enum CliError {
         /// Names like it.
         nearest: String,
     },
+    /// The claims of such a name belong to a higher level.
+    #[error("--only {pattern}: its claims run from --level {} on", first.name())]
+    AboveLevel {
+        /// The pattern given.
+        pattern: String,
+        /// The lowest level that has one of them.
+        first: verify::claim::Level,
+    },
     /// Some claims could not run; each was named when it happened.
     #[error("{count} of {total} claims could not run: {first}")]
     Claims {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use clap::{ValueEnum, builder::PossibleValue};
 use indicatif::{ProgressBar, ProgressStyle};
-use verify::claim::Claim;
+use verify::claim::{self, Claim};
 use wildmatch::WildMatch;
 
 use super::output::{Words, is_stdout};
@@ -32,7 +32,7 @@ pub(super) struct Args {
     /// Claims to run: names with `*` and `?`, where `*` crosses `/`; may be repeated
     #[arg(long, value_name = "GLOB")]
     only: Vec<String>,
-    /// How thoroughly: 1, 8 or 64 times the samples
+    /// How thoroughly: 1, 8 or 64 times the samples; some claims are left to the higher levels
     #[arg(long, env = "VERIFY_LEVEL", default_value = "quick", value_enum)]
     level: Level,
     /// Seed of all random numbers
@@ -57,11 +57,11 @@ pub(super) struct Args {
 
 /// The level as an option's value.
 #[derive(Clone, Copy)]
-struct Level(verify::claim::Level);
+struct Level(claim::Level);
 
 impl ValueEnum for Level {
     fn value_variants<'a>() -> &'a [Self] {
-        use verify::claim::Level::{Exhaustive, Quick, Standard};
+        use claim::Level::{Exhaustive, Quick, Standard};
         &[Self(Quick), Self(Standard), Self(Exhaustive)]
     }
 
@@ -82,7 +82,7 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     // Before the claims are made: scenes build their trees on these threads.
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     let all = claims::all();
-    let chosen = choose(&all, &args.only)?;
+    let chosen = choose(&all, &args.only, args.level.0)?;
     let mut words = Words::beside(args.json.as_deref());
     if args.list {
         let width = chosen.iter().map(|claim| claim.id().len()).max().unwrap_or(0);
@@ -107,15 +107,29 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     }
 }
 
-/// The claims that one of the patterns fits; all of them without a pattern.
-fn choose<'a>(all: &'a [Claim], patterns: &[String]) -> Result<Vec<&'a Claim>, CliError> {
+/// The level's claims that one of the patterns fits; all of them without a pattern.
+fn choose<'a>(
+    all: &'a [Claim],
+    patterns: &[String],
+    level: claim::Level,
+) -> Result<Vec<&'a Claim>, CliError> {
     let matchers: Vec<WildMatch> = patterns.iter().map(|pattern| WildMatch::new(pattern)).collect();
     for (matcher, pattern) in matchers.iter().zip(patterns) {
-        if !all.iter().any(|claim| matcher.matches(claim.id())) {
-            return Err(CliError::NoMatch { pattern: pattern.clone(), nearest: nearest(all, pattern) });
+        let first = all.iter().filter(|claim| matcher.matches(claim.id())).map(Claim::first_level).min();
+        match first {
+            None => {
+                return Err(CliError::NoMatch { pattern: pattern.clone(), nearest: nearest(all, pattern) });
+            }
+            Some(first) if first > level => {
+                return Err(CliError::AboveLevel { pattern: pattern.clone(), first });
+            }
+            Some(_) => {}
         }
     }
-    let fits = |claim: &&Claim| matchers.is_empty() || matchers.iter().any(|m| m.matches(claim.id()));
+    let fits = |claim: &&Claim| {
+        claim.first_level() <= level
+            && (matchers.is_empty() || matchers.iter().any(|m| m.matches(claim.id())))
+    };
     Ok(all.iter().filter(fits).collect())
 }
 
