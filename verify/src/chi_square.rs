@@ -1,10 +1,11 @@
 //! Chi-square tests of samplers: do points follow a density on a domain, and by how much could they miss it?
 //!
-//! The same points are counted on two grids: a coarse one of about 200 cells, which sees smooth errors best
-//! and carries the bound, and a fine one of about 20,000, which sees narrow ones. The second test is of the
-//! counts inside each coarse cell, given that cell's count; so the two are independent, and their p-values
-//! are joined exactly (Šidák). The number of discarded samples joins by Bonferroni's rule where there are
-//! any.
+//! The same points are counted on two grids: a coarse one of about 200 cells, which carries the bound, and a
+//! fine one of about 20,000, which sees narrow errors. The statistic of the coarse grid is split into low-order
+//! contrasts, which see smooth errors best, and the rest; the test on the fine grid is of the counts inside
+//! each coarse cell, given that cell's count. The numbers of discarded samples and of samples at atoms (points
+//! that have a probability of their own) are tested as binomials. These tests are independent, and their
+//! p-values are joined exactly (Šidák).
 //!
 //! ```
 //! use std::f64::consts::{PI, TAU};
@@ -25,6 +26,8 @@
 
 use std::sync::{Arc, OnceLock};
 
+mod contrasts;
+mod draw;
 mod expected;
 mod judge;
 mod pearson;
@@ -33,8 +36,12 @@ use crate::claim::{Claim, Evidence, Level, Outcome, Run, claim};
 use crate::domain::Domain;
 use crate::error::InputError;
 use crate::histogram::Histogram;
-use crate::points::fill;
-use expected::Expected;
+use crate::independence::Source;
+use draw::{Defect, Draw, Subject, exponent_of, subject};
+use expected::{Density, Expected};
+
+pub use draw::Drawn;
+pub use judge::Parts;
 
 /// Size of the automatic control's defect, in resolutions: caught in practice always, and still small.
 const CONTROL_RESOLUTIONS: f64 = 2.2;
@@ -45,7 +52,9 @@ const DEFAULT_BOUND: f64 = 0.01;
 /// A domain and the density that points on it should have.
 pub struct Target<D: Domain> {
     domain: D,
-    density: Box<dyn Fn(D::Point) -> f64 + Send + Sync>,
+    density: Density<D::Point>,
+    /// Probabilities of the points that have one of their own.
+    atoms: Vec<f64>,
     /// Cell probabilities, integrated when first asked for.
     expected: OnceLock<Result<Expected, InputError>>,
 }
@@ -58,31 +67,13 @@ pub struct ChiSquare<D: Domain> {
     bound: f64,
     defect_axis: usize,
     control_resolutions: f64,
-}
-
-/// Draws samples of one sampler and counts them.
-type Subject = Box<dyn Fn(&Draw) -> Histogram + Send + Sync>;
-
-/// What to draw.
-struct Draw {
-    seed: u64,
-    n: u64,
-    shape: [usize; 2],
-    defect: Option<Defect>,
-}
-
-/// A planted defect: one of the sampler's numbers, u, replaced by u^exponent.
-#[derive(Clone, Copy)]
-struct Defect {
-    axis: usize,
-    exponent: f64,
+    source: Source,
 }
 
 impl<D: Domain> ChiSquare<D> {
     /// Starts a test on a domain; the density is uniform unless [`Target::density`] says otherwise.
     pub fn on(domain: D) -> Target<D> {
-        let uniform = 1.0 / domain.measure();
-        Target { domain, density: Box::new(move |_| uniform), expected: OnceLock::new() }
+        Target { domain, density: Density::Uniform, atoms: Vec::new(), expected: OnceLock::new() }
     }
 
     /// Sets the bound: the RMS relative error over the coarse grid's cells below which the sampler must be.
@@ -102,7 +93,15 @@ impl<D: Domain> ChiSquare<D> {
         name: impl Into<String>,
         wrong: impl Fn([f64; N]) -> Option<D::Point> + Send + Sync + 'static,
     ) -> Self {
-        self.controls.push((name.into(), subject(&self.target, wrong)));
+        self.controls.push((name.into(), subject(&self.target, move |u| wrong(u).into())));
+        self
+    }
+
+    /// Says what the sampler declares of its draws; independent if not set. A low-discrepancy source is refused: its counts are too
+    /// even to be tested so.
+    #[must_use]
+    pub fn source(mut self, source: Source) -> Self {
+        self.source = source;
         self
     }
 
@@ -202,9 +201,9 @@ impl<D: Domain> ChiSquare<D> {
         run: &Run,
         defect: Option<Defect>,
     ) -> Result<Evidence, InputError> {
-        let expected = self.target.expected()?;
-        let n = judge::sample_count(expected, self.bound)? * run.effort;
-        let histogram = subject(&Draw { seed: run.seed, n, shape: expected.fine.shape, defect });
+        self.source.independent("chi-square")?;
+        let n = self.target.sample_count(self.bound)? * run.effort;
+        let histogram = subject(&Draw { seed: run.seed, n, defect });
         self.target.judge(&histogram, self.bound)
     }
 }
@@ -216,7 +215,27 @@ impl<D: Domain> Target<D> {
     ///   probability of being discarded.
     #[must_use]
     pub fn density(mut self, density: impl Fn(D::Point) -> f64 + Send + Sync + 'static) -> Self {
-        self.density = Box::new(density);
+        self.density = Density::Function(Box::new(density));
+        self.expected = OnceLock::new();
+        self
+    }
+
+    /// Sets a density that is constant on the cells of a regular grid over the domain's coordinates.
+    ///
+    /// * `shape`: columns and rows; `values`: row by row, per unit of the domain's measure, as for [`density`](Self::density).
+    #[must_use]
+    pub fn cells(mut self, shape: [usize; 2], values: Vec<f64>) -> Self {
+        self.density = Density::Cells { shape, values };
+        self.expected = OnceLock::new();
+        self
+    }
+
+    /// Sets the probabilities of points that have one of their own (atoms, such as a mirror's direction); none if not set.
+    ///
+    /// Each is held against its count as a binomial; the density's integral and their sum may fall short of 1 together.
+    #[must_use]
+    pub fn atoms(mut self, probabilities: &[f64]) -> Self {
+        self.atoms = probabilities.to_vec();
         self.expected = OnceLock::new();
         self
     }
@@ -228,6 +247,16 @@ impl<D: Domain> Target<D> {
         self,
         sampler: impl Fn([f64; N]) -> Option<D::Point> + Send + Sync + 'static,
     ) -> ChiSquare<D> {
+        self.draws(move |u| sampler(u).into())
+    }
+
+    /// Completes the test with a sampler that has atoms.
+    ///
+    /// * `sampler`: turns independent numbers, uniform on [0, 1), into what is drawn.
+    pub fn draws<const N: usize>(
+        self,
+        sampler: impl Fn([f64; N]) -> Drawn<D::Point> + Send + Sync + 'static,
+    ) -> ChiSquare<D> {
         let target = Arc::new(self);
         let subject = subject(&target, sampler);
         ChiSquare {
@@ -237,13 +266,14 @@ impl<D: Domain> Target<D> {
             bound: DEFAULT_BOUND,
             defect_axis: 0,
             control_resolutions: CONTROL_RESOLUTIONS,
+            source: Source::Independent,
         }
     }
 
     /// An empty histogram for [`judge`](Self::judge), to count points that come from elsewhere.
     pub fn histogram(&self) -> Histogram {
         let ([columns, rows], [x, y]) = (self.domain.coarse_grid(), self.domain.refinement());
-        Histogram::new([columns * x, rows * y])
+        Histogram::with_atoms([columns * x, rows * y], self.atoms.len())
     }
 
     /// Counts a point; one outside the domain is counted as such.
@@ -278,58 +308,20 @@ impl<D: Domain> Target<D> {
         judge::judge(self.expected()?, histogram, bound, self.domain.name(), self.domain.axes())
     }
 
+    /// The three independent tests of which [`judge`](Self::judge) joins the p-values.
+    ///
+    /// # Errors
+    /// `Density`, `Quadrature`, `TooFew`, `Parameter`.
+    pub fn parts(&self, histogram: &Histogram) -> Result<Parts, InputError> {
+        Ok(judge::parts(self.expected()?, histogram))
+    }
+
     fn expected(&self) -> Result<&Expected, InputError> {
         self.expected
-            .get_or_init(|| Expected::of(&self.domain, &*self.density))
+            .get_or_init(|| Expected::of(&self.domain, &self.density, &self.atoms))
             .as_ref()
             .map_err(Clone::clone)
     }
-}
-
-/// The loop that draws a sampler's points and counts them; compiled for each sampler.
-fn subject<D: Domain, const N: usize>(
-    target: &Arc<Target<D>>,
-    sampler: impl Fn([f64; N]) -> Option<D::Point> + Send + Sync + 'static,
-) -> Subject {
-    let target = target.clone();
-    Box::new(move |draw| {
-        let mut histogram = Histogram::new(draw.shape);
-        for index in 0..draw.n {
-            let mut u = [0.0; N];
-            fill(draw.seed, index, &mut u);
-            if let Some(Defect { axis, exponent }) = draw.defect
-                && let Some(u) = u.get_mut(axis)
-            {
-                *u = u.powf(exponent);
-            }
-            match sampler(u) {
-                Some(point) => histogram.add(target.domain.to_square(point)),
-                None => histogram.add_discarded(),
-            }
-        }
-        histogram
-    })
-}
-
-/// The exponent 1 + δ for which u^(1 + δ) of uniform u has a given RMS relative error over equal columns.
-fn exponent_of(rms: f64, columns: usize) -> f64 {
-    let columns = columns.max(2) as f64;
-    let reached = |delta: f64| {
-        let mut square = 0.0;
-        let (mut edge, mut below) = (0.0, 0.0);
-        while edge < columns {
-            edge += 1.0;
-            let upto = (edge / columns).powf(1.0 / (1.0 + delta));
-            square += columns * (upto - below - 1.0 / columns).powi(2);
-            below = upto;
-        }
-        square.sqrt()
-    };
-    let mut high = 1.0;
-    while reached(high) < rms && high < 1e6 {
-        high *= 2.0;
-    }
-    1.0 + crate::power::bisect([0.0, high], |delta| reached(delta) < rms)
 }
 
 #[cfg(test)]

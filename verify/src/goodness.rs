@@ -2,7 +2,13 @@
 //!
 //! Any continuous distribution comes here through its cumulative distribution function.
 
+mod marginal;
+mod tail;
+
+pub use marginal::{Marginal, Sides, Statistic};
+
 use crate::error::InputError;
+use tail::{anderson_darling_tail, kolmogorov_tail};
 
 /// A statistic and its p-value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,17 +40,6 @@ pub fn kolmogorov_smirnov(values: &[f64]) -> Result<Fit, InputError> {
     Ok(Fit { statistic, p_value: kolmogorov_tail(lambda) })
 }
 
-fn kolmogorov_tail(lambda: f64) -> f64 {
-    use std::f64::consts::PI;
-    // Either series has terms below 1e-16 after the fifth on its side of 1.
-    if lambda < 1.0 {
-        let term = |k: i32| (-(f64::from(2 * k - 1) * PI / lambda).powi(2) / 8.0).exp();
-        return 1.0 - (2.0 * PI).sqrt() / lambda * (1..=5).map(term).sum::<f64>();
-    }
-    let term = |k: i32| 2.0 * (-2.0 * (f64::from(k) * lambda).powi(2)).exp();
-    (1..=5).map(|k| if k % 2 == 1 { term(k) } else { -term(k) }).sum()
-}
-
 /// Anderson–Darling's A², which weighs the tails.
 ///
 /// A² = −n − (1/n) Σ (2i − 1)(ln uᵢ + ln(1 − u₍n+1−i₎)).
@@ -69,35 +64,6 @@ fn a_squared(sorted: &[f64]) -> f64 {
     -(n as f64) - (0..n).map(term).sum::<f64>() / n as f64
 }
 
-/// P(A² > z) in the limit of many values.
-///
-/// A² = Σ χ²₁/(j(j + 1)), so Imhof's inversion gives P(A² > z) = ½ + (1/π)∫₀^∞ sin θ(u)/(u ρ(u)) du,
-/// θ = ½ Σ atan(u/(j(j + 1))) − ½ z u, ρ = Π (1 + u²/(j(j + 1))²)^¼.
-fn anderson_darling_tail(z: f64) -> f64 {
-    if z.is_infinite() {
-        return 0.0;
-    }
-    if z > 8.0 {
-        // ½χ²₁ + W with W the rest of the sum: P = E[P(χ²₁ > 2z − 2W)] = P(χ²₁ > 2z)·E[exp W]·(1 + E*[W]/(2z) + O(1/z²)), where
-        // E[exp W] = Π_{j≥2} (1 − 2/(j(j + 1)))^−½ = √3 and the tilted mean E*[W] = Σ_{j≥2} 1/((j − 1)(j + 2)) = 11/18.
-        let first = 2.0 * crate::tails::normal_tail((2.0 * z).sqrt());
-        return 3.0_f64.sqrt() * first * (1.0 + 11.0 / (36.0 * z));
-    }
-    const TERMS: u32 = 200;
-    let weights: Vec<f64> = (1..=TERMS).map(|j| 1.0 / f64::from(j * (j + 1))).collect();
-    // Weights beyond the last sum to 1/(TERMS + 1): they act as their mean.
-    let shift = z - 1.0 / f64::from(TERMS + 1);
-    let integrand = |u: f64| {
-        let theta = 0.5 * weights.iter().map(|w| (w * u).atan()).sum::<f64>() - 0.5 * shift * u;
-        let log_rho = 0.25 * weights.iter().map(|w| (w * w * u * u).ln_1p()).sum::<f64>();
-        theta.sin() * (-log_rho).exp() / u
-    };
-    // At u = 400 ρ exceeds 1e8. The integrand is even and analytic, so the midpoint rule errs only by P(A² > 2π/step − z), 1e-18.
-    let (step, nodes) = (0.125, 3200);
-    let sum: f64 = (0..nodes).map(|i| integrand((f64::from(i) + 0.5) * step)).sum();
-    (0.5 + sum * step / std::f64::consts::PI).clamp(0.0, 1.0)
-}
-
 fn sorted(values: &[f64]) -> Result<Vec<f64>, InputError> {
     if values.len() < 8 {
         return Err(InputError::TooFew { what: "values", given: values.len() as u64, needed: 8 });
@@ -114,23 +80,6 @@ fn sorted(values: &[f64]) -> Result<Vec<f64>, InputError> {
 mod tests {
     use super::*;
     use crate::seeds::uniform;
-
-    #[test]
-    fn tails_agree_with_published_quantiles() {
-        // Asymptotic Kolmogorov quantiles, printed to three decimals: d ln p = 4λ·5e-4 = 0.4 %.
-        for (lambda, p) in [(1.358, 0.05), (1.628, 0.01), (1.949, 0.001)] {
-            assert!((kolmogorov_tail(lambda) / p - 1.0).abs() < 4e-3, "{lambda}");
-        }
-        assert!((kolmogorov_tail(0.999_999) - kolmogorov_tail(1.000_001)).abs() < 1e-5); // slope near 1 is below 2
-        // Anderson–Darling quantiles by Marsaglia and Marsaglia; the quadrature is good to 1e-5 of these p.
-        for (z, p) in
-            [(1.932_957_832_741_593_7, 0.1), (2.492_367_160_049_41, 0.05), (3.878_125_021_605_395, 0.01)]
-        {
-            assert!((anderson_darling_tail(z) / p - 1.0).abs() < 1e-5, "{z}: {}", anderson_darling_tail(z));
-        }
-        // Where the far tail takes over its neglected O(1/z²) is below half a percent: (3·E*[W²]/2 − 2·E*[W])/(2z)² = −0.2 %.
-        assert!((anderson_darling_tail(7.9999) / anderson_darling_tail(8.0001) - 1.0).abs() < 5e-3);
-    }
 
     #[test]
     fn p_values_are_uniform_under_the_truth_also_in_the_tail() {

@@ -1,4 +1,4 @@
-//! Counts of points on a grid over the unit square, with cells for what was discarded and what fell outside.
+//! Counts of points on a grid over the unit square, with cells for atoms, for what was discarded and for what fell outside.
 
 /// Counts of points by cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -6,13 +6,19 @@ pub struct Histogram {
     shape: [usize; 2],
     counts: Vec<u64>,
     discarded: u64,
+    atoms: Vec<u64>,
     outside: u64,
 }
 
 impl Histogram {
     /// An empty histogram of that many columns and rows.
     pub fn new(shape: [usize; 2]) -> Self {
-        Self { shape, counts: vec![0; shape[0] * shape[1]], discarded: 0, outside: 0 }
+        Self::with_atoms(shape, 0)
+    }
+
+    /// An empty histogram, with counts of that many atoms beside the cells.
+    pub fn with_atoms(shape: [usize; 2], atoms: usize) -> Self {
+        Self { shape, counts: vec![0; shape[0] * shape[1]], discarded: 0, atoms: vec![0; atoms], outside: 0 }
     }
 
     /// Counts a point by its coordinates on the unit square, as
@@ -35,6 +41,12 @@ impl Histogram {
         self.discarded += 1;
     }
 
+    /// Counts a sample at an atom; one at an atom that the histogram does not have is outside.
+    #[inline]
+    pub fn add_atom(&mut self, atom: usize) {
+        *self.atoms.get_mut(atom).unwrap_or(&mut self.outside) += 1;
+    }
+
     /// Columns and rows.
     pub fn shape(&self) -> [usize; 2] {
         self.shape
@@ -50,14 +62,19 @@ impl Histogram {
         self.discarded
     }
 
+    /// Numbers of samples at the atoms.
+    pub fn atoms(&self) -> &[u64] {
+        &self.atoms
+    }
+
     /// Number of points outside the domain.
     pub fn outside(&self) -> u64 {
         self.outside
     }
 
-    /// Number of all samples, discarded and outside ones included.
+    /// Number of all samples, those at atoms, discarded and outside ones included.
     pub fn total(&self) -> u64 {
-        self.counts.iter().sum::<u64>() + self.discarded + self.outside
+        self.counts.iter().chain(&self.atoms).sum::<u64>() + self.discarded + self.outside
     }
 }
 
@@ -110,6 +127,9 @@ mod tests {
         histogram.add_discarded();
         assert_eq!(histogram.counts(), [1, 1, 0, 0, 0, 1]);
         assert_eq!((histogram.outside(), histogram.discarded(), histogram.total()), (3, 1, 7));
+        let mut atoms = Histogram::with_atoms([1, 1], 2);
+        [0, 1, 1, 2].into_iter().for_each(|atom| atoms.add_atom(atom));
+        assert_eq!((atoms.atoms(), atoms.outside(), atoms.total()), (&[1, 2][..], 1, 4));
     }
 
     #[test]

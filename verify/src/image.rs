@@ -1,16 +1,17 @@
 //! Two images with their errors: are they noisy renderings of the same thing?
 //!
 //! Pixels are taken as independent, channels of a pixel are not. The mean over all pixels sees a bias of brightness, the tiles see a
-//! local one, and single pixels only count: their errors, from a few replicates, have tails that no verdict should rest on.
+//! local one, and single pixels only count: their errors, from a few replicates, have tails that no verdict should rest on. Where the
+//! files of several seeds are known, the level beyond which a pixel counts comes from swapping seeds between the sides.
 
 mod comparison;
-mod welch;
+mod swaps;
 
 pub use comparison::{Comparison, Pixels, Pooled, Tiles, compare};
 
 use crate::error::InputError;
 use crate::estimate::Moments;
-use welch::Sum;
+use crate::welch::Sum;
 
 /// Side of a tile, pixels.
 pub const TILE: usize = 16;
@@ -29,6 +30,8 @@ pub struct Image {
     replicates: u64,
     /// Sums over tiles, one list a seed; empty where only pixels are known.
     seeds: Vec<Vec<f64>>,
+    /// All entries of each seed; empty where only means are known.
+    files: Vec<Vec<f64>>,
     largest_share: f64,
 }
 
@@ -57,7 +60,8 @@ impl Image {
             }
             variance = standard_error.iter().map(|s| s * s).collect();
         }
-        Ok(Self { size, channels, mean, variance, replicates, seeds: Vec::new(), largest_share: 0.0 })
+        let (seeds, files) = (Vec::new(), Vec::new());
+        Ok(Self { size, channels, mean, variance, replicates, seeds, files, largest_share: 0.0 })
     }
 
     /// An image from several files of the same thing with different seeds: the errors come from the files themselves.
@@ -82,6 +86,7 @@ impl Image {
             variance,
             replicates: files.len() as u64,
             seeds: Vec::new(),
+            files: files.to_vec(),
             largest_share: 0.0,
         };
         image.seeds = files.iter().map(|file| image.tile_sums(file)).collect();

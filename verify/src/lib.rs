@@ -5,6 +5,7 @@
 pub mod chi_square;
 pub mod claim;
 pub mod convergence;
+pub mod cube;
 pub mod discrepancy;
 pub mod domain;
 pub mod error;
@@ -26,3 +27,4 @@ pub mod quadrature;
 pub mod seeds;
 pub mod share;
 mod tails;
+pub mod welch;

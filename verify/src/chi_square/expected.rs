@@ -18,6 +18,16 @@ const LARGEST_MASS_ERROR: f64 = 0.01;
 /// Relative rounding of densities computed in single precision: 16 units in the last place, 16·2⁻²⁴.
 const DENSITY_ROUNDING: f64 = 1e-6;
 
+/// The density that points should have, per unit of the domain's measure.
+pub(super) enum Density<P> {
+    /// The same everywhere, with integral 1.
+    Uniform,
+    /// Any function.
+    Function(Box<dyn Fn(P) -> f64 + Send + Sync>),
+    /// Constant on the cells of a regular grid over the domain's coordinates.
+    Cells { shape: [usize; 2], values: Vec<f64> },
+}
+
 /// Probabilities of the cells of one grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
@@ -55,6 +65,8 @@ pub(super) struct Expected {
     pub(super) mass: f64,
     /// By how much the mass may be off: quadrature, and rounding of the density.
     pub(super) mass_error: f64,
+    /// Probabilities of the atoms.
+    pub(super) atoms: Vec<f64>,
 }
 
 impl Expected {
@@ -62,39 +74,26 @@ impl Expected {
     ///
     /// # Errors
     /// `Density` where it is negative or not finite, `Quadrature` if its integral is not known to 1 %,
-    /// `TooFew` if fewer than two cells are possible.
-    pub(super) fn of<D: Domain>(domain: &D, density: &dyn Fn(D::Point) -> f64) -> Result<Self, InputError> {
+    /// `TooFew` if fewer than two cells are possible, `Parameter` for an atom's probability that is none.
+    pub(super) fn of<D: Domain>(
+        domain: &D,
+        density: &Density<D::Point>,
+        atoms: &[f64],
+    ) -> Result<Self, InputError> {
+        if let Some(&value) = atoms.iter().find(|p| !(0.0..=1.0).contains(*p)) {
+            return Err(InputError::Parameter { name: "probability of an atom", value, accepted: "0 to 1" });
+        }
         let (coarse_shape, factor) = (domain.coarse_grid(), domain.refinement());
         let shape = [coarse_shape[0] * factor[0], coarse_shape[1] * factor[1]];
-        let measure = domain.measure();
-        let bad = Cell::new(None);
-        let f = |square: [f64; 2]| {
-            let value = density(domain.point(square));
-            if value >= 0.0 && value.is_finite() {
-                return measure * value;
-            }
-            bad.set(Some((value, square)));
-            0.0
+        let fine = match density {
+            Density::Uniform => uniform(shape, atoms),
+            Density::Function(density) => integrated(domain, density, shape)?,
+            Density::Cells { shape: given, values } => tabulated(domain, *given, values, shape)?,
         };
-        let (mut probabilities, mut errors) = (Vec::with_capacity(shape[0] * shape[1]), Vec::new());
-        for index in 0..shape[0] * shape[1] {
-            let edges = |i: usize, count: usize| [i, i + 1].map(|i| i as f64 / count as f64);
-            let rectangle = [edges(index % shape[0], shape[0]), edges(index / shape[0], shape[1])];
-            let integral = integrate_2d(&f, rectangle, TOLERANCE);
-            probabilities.push(integral.value);
-            errors.push(integral.error);
-        }
-        if let Some((value, [x, y])) = bad.get() {
-            let [x_axis, y_axis] = domain.axes();
-            return Err(InputError::Density {
-                value,
-                place: format!("{x_axis} = {x}, {y_axis} = {y} of the {}", domain.name()),
-            });
-        }
         let coarse = Grid {
             shape: coarse_shape,
-            probabilities: coarsen(&probabilities, coarse_shape, factor),
-            errors: coarsen(&errors, coarse_shape, factor),
+            probabilities: coarsen(&fine.probabilities, coarse_shape, factor),
+            errors: coarsen(&fine.errors, coarse_shape, factor),
         };
         let mass: f64 = coarse.probabilities.iter().sum();
         let quadrature_error: f64 = coarse.errors.iter().sum();
@@ -111,7 +110,7 @@ impl Expected {
             return Err(InputError::TooFew { what: "cells of positive probability", given, needed: 2 });
         }
         let mass_error = quadrature_error + DENSITY_ROUNDING;
-        Ok(Self { coarse, fine: Grid { shape, probabilities, errors }, mass, mass_error })
+        Ok(Self { coarse, fine, mass, mass_error, atoms: atoms.to_vec() })
     }
 
     /// Columns and rows of fine cells in a coarse one.
@@ -119,17 +118,107 @@ impl Expected {
         [self.fine.shape[0] / self.coarse.shape[0], self.fine.shape[1] / self.coarse.shape[1]]
     }
 
-    /// Probability of being discarded; 0 where the density's integral doesn't differ from 1 by more than its
-    /// error.
+    /// What density and atoms leave of 1; below 0 where they exceed it.
+    pub(super) fn missing(&self) -> f64 {
+        1.0 - self.mass - self.atoms.iter().sum::<f64>()
+    }
+
+    /// Probability of being discarded; 0 where density and atoms don't differ from 1 by more than the
+    /// density's error.
     pub(super) fn discarded(&self) -> f64 {
-        let missing = 1.0 - self.mass;
+        let missing = self.missing();
         if missing > self.mass_error { missing } else { 0.0 }
     }
 
-    /// Whether the density integrates to more than 1, beyond the quadrature's error.
+    /// Whether density and atoms make more than 1, beyond the quadrature's error.
     pub(super) fn exceeds_one(&self) -> bool {
-        self.mass - 1.0 > self.mass_error
+        -self.missing() > self.mass_error
     }
+}
+
+/// What the atoms leave, the same for every cell.
+fn uniform(shape: [usize; 2], atoms: &[f64]) -> Grid {
+    let cells = shape[0] * shape[1];
+    let share = (1.0 - atoms.iter().sum::<f64>()).max(0.0) / cells as f64;
+    Grid { shape, probabilities: vec![share; cells], errors: vec![0.0; cells] }
+}
+
+/// Integrals of a function over the cells.
+fn integrated<D: Domain>(
+    domain: &D,
+    density: &dyn Fn(D::Point) -> f64,
+    shape: [usize; 2],
+) -> Result<Grid, InputError> {
+    let measure = domain.measure();
+    let bad = Cell::new(None);
+    let f = |square: [f64; 2]| {
+        let value = density(domain.point(square));
+        if value >= 0.0 && value.is_finite() {
+            return measure * value;
+        }
+        bad.set(Some((value, square)));
+        0.0
+    };
+    let (mut probabilities, mut errors) = (Vec::with_capacity(shape[0] * shape[1]), Vec::new());
+    for index in 0..shape[0] * shape[1] {
+        let edges = |i: usize, count: usize| [i, i + 1].map(|i| i as f64 / count as f64);
+        let rectangle = [edges(index % shape[0], shape[0]), edges(index / shape[0], shape[1])];
+        let integral = integrate_2d(&f, rectangle, TOLERANCE);
+        probabilities.push(integral.value);
+        errors.push(integral.error);
+    }
+    match bad.get() {
+        Some((value, [x, y])) => {
+            let [x_axis, y_axis] = domain.axes();
+            let place = format!("{x_axis} = {x}, {y_axis} = {y} of the {}", domain.name());
+            Err(InputError::Density { value, place })
+        }
+        None => Ok(Grid { shape, probabilities, errors }),
+    }
+}
+
+/// Integrals of a density that is constant on the cells of another grid: sums over what the cells share.
+fn tabulated<D: Domain>(
+    domain: &D,
+    given: [usize; 2],
+    values: &[f64],
+    shape: [usize; 2],
+) -> Result<Grid, InputError> {
+    let needed = (given[0] * given[1]).max(1) as u64;
+    if values.len() as u64 != needed {
+        let what = "densities of cells";
+        return Err(InputError::TooFew { what, given: values.len() as u64, needed });
+    }
+    if let Some(i) = values.iter().position(|value| !(*value >= 0.0 && value.is_finite())) {
+        let place = format!("column {}, row {} of the cells", i % given[0], i / given[0]);
+        return Err(InputError::Density { value: values[i], place });
+    }
+    let [columns, rows] = [0, 1].map(|axis| overlaps(given[axis], shape[axis]));
+    let mut probabilities = Vec::with_capacity(shape[0] * shape[1]);
+    for row in &rows {
+        for column in &columns {
+            let part = |&(j, height): &(usize, f64)| {
+                let line = |&(i, width): &(usize, f64)| width * values[j * given[0] + i];
+                height * column.iter().map(line).sum::<f64>()
+            };
+            probabilities.push(domain.measure() * row.iter().map(part).sum::<f64>());
+        }
+    }
+    let errors = vec![0.0; probabilities.len()];
+    Ok(Grid { shape, probabilities, errors })
+}
+
+/// For each of `to` equal parts of [0, 1], which of `from` equal parts it meets and the lengths that they share.
+///
+/// In units of 1/(from·to) all ends are whole numbers, so nothing is lost to rounding at the borders.
+fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
+    let unit = 1.0 / (from * to) as f64;
+    let part = |k: usize| {
+        let (low, high) = (k * from, (k + 1) * from);
+        let shared = |i: usize| high.min((i + 1) * to) - low.max(i * to);
+        (low / to..high.div_ceil(to)).map(|i| (i, shared(i) as f64 * unit)).collect()
+    };
+    (0..to).map(part).collect()
 }
 
 #[cfg(test)]
@@ -139,8 +228,8 @@ mod tests {
 
     #[test]
     fn cells_of_a_cosine_lobe_are_exact() {
-        let expected = Expected::of(&Directions::hemisphere(), &|[_, _, z]| z / std::f64::consts::PI)
-            .expect("a density");
+        let cosine = Density::Function(Box::new(|[_, _, z]: [f64; 3]| z / std::f64::consts::PI));
+        let expected = Expected::of(&Directions::hemisphere(), &cosine, &[]).expect("a density");
         // Between 1 − z = a and b: ∫ 2z dz = (1 − a)² − (1 − b)², over 20 angles.
         for (cell, p) in expected.coarse.probabilities.iter().enumerate() {
             let (a, b) = ((cell % 10) as f64 / 10.0, (cell % 10 + 1) as f64 / 10.0);
@@ -156,7 +245,8 @@ mod tests {
     #[test]
     fn mass_below_and_above_one_is_seen() {
         let with_mass = |mass: f64| {
-            Expected::of(&Disk::unit(), &move |_| mass / std::f64::consts::PI).expect("a density")
+            let density = Density::Function(Box::new(move |_| mass / std::f64::consts::PI));
+            Expected::of(&Disk::unit(), &density, &[]).expect("a density")
         };
         assert!((with_mass(0.9).discarded() - 0.1).abs() < 1e-12);
         assert!(with_mass(1.00001).exceeds_one());
@@ -165,9 +255,40 @@ mod tests {
 
     #[test]
     fn what_is_no_density_is_refused() {
-        let of = |density: fn([f64; 2]) -> f64| Expected::of(&Disk::unit(), &density).err();
+        let of = |density: fn([f64; 2]) -> f64| {
+            Expected::of(&Disk::unit(), &Density::Function(Box::new(density)), &[]).err()
+        };
         assert!(matches!(of(|[x, _]| x), Some(InputError::Density { .. })));
         assert!(matches!(of(|_| f64::NAN), Some(InputError::Density { .. })));
         assert!(matches!(of(|_| 0.0), Some(InputError::TooFew { .. })));
+    }
+
+    #[test]
+    fn tables_of_another_shape_are_shared_out_exactly() {
+        assert_eq!(
+            overlaps(3, 2),
+            [vec![(0, 1.0 / 3.0), (1, 1.0 / 6.0)], vec![(1, 1.0 / 6.0), (2, 1.0 / 3.0)]]
+        );
+        let of = |shape, values| Expected::of(&Disk::of_radius(2.0), &Density::Cells { shape, values }, &[]);
+        let linear: Vec<f64> =
+            (0..3).map(|i| f64::from(i + 1) / (2.0 * 4.0 * std::f64::consts::PI)).collect();
+        let expected = of([3, 1], linear).expect("a density");
+        assert!((expected.mass - 1.0).abs() < 1e-12); // rounding of 20,000 cells
+        // The first of ten columns has a tenth of the first third, (1/6)/(1/3)/10; 20 rows share it.
+        assert!((expected.coarse.probabilities[0] - 0.05 / 20.0).abs() < 1e-15);
+        assert!(matches!(of([2, 1], vec![0.1]), Err(InputError::TooFew { .. })));
+        assert!(matches!(of([2, 1], vec![0.1, f64::NAN]), Err(InputError::Density { .. })));
+    }
+
+    #[test]
+    fn atoms_take_their_share() {
+        let disk = Disk::unit();
+        let expected = Expected::of(&disk, &Density::Uniform, &[0.25, 0.5]).expect("a density");
+        assert!((expected.mass - 0.25).abs() < 1e-12 && expected.discarded() == 0.0); // rounding of 20,000 cells
+        let thin = Density::Function(Box::new(|_: [f64; 2]| 0.1 / std::f64::consts::PI));
+        let expected = Expected::of(&disk, &thin, &[0.5]).expect("a density");
+        assert!((expected.discarded() - 0.4).abs() < 1e-12); // the same
+        assert!(Expected::of(&disk, &thin, &[1.0]).expect("a density").exceeds_one());
+        assert!(Expected::of(&disk, &thin, &[-0.1]).is_err());
     }
 }

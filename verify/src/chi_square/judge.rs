@@ -1,10 +1,12 @@
 //! From counts and expectations to evidence: how many samples, which p, which limits, what could have been
 //! seen.
 
+use super::contrasts::{self, CONTRASTS, Split, split};
 use super::expected::Expected;
-use super::pearson::{Pearson, count_p_value, pearson, pearson_within};
+use super::pearson::{Cell, Pearson, count_p_value, pearson, pearson_within, pool};
 use crate::claim::{Evidence, Picture, REJECTION_LEVEL, Resolution};
 use crate::error::InputError;
+use crate::goodness::Fit;
 use crate::histogram::{Histogram, coarsen};
 use crate::power::{chi_square_critical, lambda_lower, lambda_upper, noncentral_cdf};
 
@@ -44,24 +46,111 @@ pub(super) fn sample_count(expected: &Expected, bound: f64) -> Result<u64, Input
     Ok(n)
 }
 
-/// The RMS relative error that n samples show with power 0.9 on the coarse grid.
+/// The three independent tests of a sampler's counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parts {
+    /// Low-order contrasts of the coarse grid's counts: smooth errors.
+    pub contrasts: Fit,
+    /// What is left of the coarse grid's statistic.
+    pub rest: Fit,
+    /// Counts of the fine grid inside each coarse cell: narrow errors.
+    pub within: Fit,
+}
+
+/// Number of tests of a sampler's cells; each discarded or atomic count is one more.
+const CELL_TESTS: usize = 3;
+
+/// The RMS relative error that n samples show with power 0.9 on the coarse grid, if no contrast has a part of it.
 pub(super) fn resolution(expected: &Expected, n: u64) -> f64 {
     let n = n as f64;
-    let counts = expected.coarse.probabilities.iter().map(|p| (0.0, n * p));
-    let dof = pearson(counts.chain([(0.0, n * expected.discarded())])).dof.max(1.0);
-    let share = if expected.discarded() > 0.0 { 0.5 } else { 1.0 }; // the other half is for the number of discarded samples
-    let level = 1.0 - (1.0 - share * REJECTION_LEVEL).sqrt(); // the inverse of `either`
+    let Split { rest, contrasts, .. } = split(coarse_cells(expected, None, n));
+    let dof = if rest.dof > 0.0 { rest.dof } else { contrasts.dof.max(1.0) };
+    let tests = CELL_TESTS + special(expected, None).len();
+    let level = -((-REJECTION_LEVEL).ln_1p() / tests as f64).exp_m1(); // the inverse of `any`
     (lambda_lower(chi_square_critical(level, dof), dof, POWER) / n).sqrt()
 }
 
-/// The probability that the smaller of two independent p-values is as small (Šidák).
-fn either(p: f64, q: f64) -> f64 {
-    let smaller = p.min(q);
-    smaller * (2.0 - smaller)
+/// The probability that the smallest of independent p-values is as small (Šidák).
+fn any(p_values: &[f64]) -> f64 {
+    let smallest = p_values.iter().copied().fold(1.0, f64::min);
+    -(p_values.len() as f64 * (-smallest).ln_1p()).exp_m1()
 }
 
 fn degrees_of_freedom(expected: &Expected) -> f64 {
-    expected.coarse.possible_cells() as f64 - 1.0 + f64::from(u8::from(expected.discarded() > 0.0))
+    (expected.coarse.possible_cells() + special(expected, None).len()) as f64 - 1.0
+}
+
+/// The cells of the coarse grid, with expectations that sum to `n`; without a histogram as if nothing had been observed.
+fn coarse_cells(expected: &Expected, histogram: Option<&Histogram>, n: f64) -> Vec<Cell> {
+    let [columns, rows] = expected.coarse.shape;
+    let counts = histogram.map(|histogram| coarse_counts(expected, histogram));
+    let observed = |i: usize| counts.as_ref().map_or(0.0, |counts| counts[i] as f64);
+    let middle = |i: usize, count: usize| (i as f64 + 0.5) / count as f64;
+    let cell = |(i, p): (usize, &f64)| {
+        let place = [middle(i % columns, columns), middle(i / columns, rows)];
+        Cell::new(observed(i), n * p / expected.mass, contrasts::at(place))
+    };
+    expected.coarse.probabilities.iter().enumerate().map(cell).collect()
+}
+
+/// Pearson's statistic of the coarse grid, the discarded samples and the atoms together: what the limits rest on.
+fn whole(expected: &Expected, histogram: &Histogram) -> Pearson {
+    let n = histogram.total() as f64;
+    let beside = special(expected, Some(histogram)).into_iter();
+    let beside =
+        beside.map(|special| Cell::new(special.count as f64, n * special.probability, [0.0; CONTRASTS]));
+    let cells = pool(coarse_cells(expected, Some(histogram), n * expected.mass).into_iter().chain(beside));
+    Pearson::of(pearson(&cells), cells.len() as f64 - 1.0)
+}
+
+/// Samples in no cell that are held against a probability of their own.
+struct Special {
+    what: String,
+    count: u64,
+    probability: f64,
+    /// By how much the probability may be off.
+    error: f64,
+}
+
+/// The discarded samples, where there should be or are any, and the atoms.
+fn special(expected: &Expected, histogram: Option<&Histogram>) -> Vec<Special> {
+    let discarded = histogram.map_or(0, Histogram::discarded);
+    let counts = histogram.map_or(&[][..], Histogram::atoms);
+    let atom = |(k, p): (usize, &f64)| Special {
+        what: format!("at atom {k}"),
+        count: counts.get(k).copied().unwrap_or(0),
+        probability: *p,
+        error: 0.0,
+    };
+    let none = discarded == 0 && expected.discarded() == 0.0;
+    let first = Special {
+        what: String::from("discarded"),
+        count: discarded,
+        probability: expected.discarded(),
+        error: expected.mass_error,
+    };
+    (!none).then_some(first).into_iter().chain(expected.atoms.iter().enumerate().map(atom)).collect()
+}
+
+impl Special {
+    fn p_value(&self, n: u64) -> f64 {
+        let [low, high] =
+            [self.probability - self.error, self.probability + self.error].map(|p| p.clamp(0.0, 1.0));
+        count_p_value(self.count, n, low, high)
+    }
+}
+
+/// The cells of the coarse grid, given the number of points in them, and those of the fine grid, given the coarse cells' counts.
+fn cell_tests(expected: &Expected, histogram: &Histogram) -> (Split, Pearson) {
+    let n = histogram.counts().iter().sum::<u64>() as f64;
+    (split(coarse_cells(expected, Some(histogram), n)), pearson_within(blocks(expected, histogram, n)))
+}
+
+/// The three tests of a histogram.
+pub(super) fn parts(expected: &Expected, histogram: &Histogram) -> Parts {
+    let (coarse, within) = cell_tests(expected, histogram);
+    let fit = |test: Pearson| Fit { statistic: test.statistic, p_value: test.p_value };
+    Parts { contrasts: fit(coarse.contrasts), rest: fit(coarse.rest), within: fit(within) }
 }
 
 /// Tests counts against expectations.
@@ -80,44 +169,44 @@ pub(super) fn judge(
         return Err(InputError::TooFew { what: "samples", given: total, needed: FEWEST_SAMPLES });
     }
     let n = total as f64;
-    let observed = coarse_counts(expected, histogram);
-    let cells = expected.coarse.cells(&observed, n);
-    let coarse =
-        pearson(cells.iter().copied().chain([(histogram.discarded() as f64, n * expected.discarded())]));
-    let within = pearson_within(blocks(expected, histogram, n));
-    let discarded_p = discarded_p_value(expected, histogram);
+    let whole = whole(expected, histogram);
+    let (coarse, within) = cell_tests(expected, histogram);
+    let special: Vec<(Special, f64)> = special(expected, Some(histogram))
+        .into_iter()
+        .map(|special| {
+            let p_value = special.p_value(total);
+            (special, p_value)
+        })
+        .collect();
+    let mut p_values = vec![coarse.contrasts.p_value, coarse.rest.p_value, within.p_value];
+    p_values.extend(special.iter().map(|(_, p)| *p));
     let stray = stray_points(expected, histogram);
-    let stray_p = count_p_value(stray, total, 0.0, expected.mass_error);
-    let counts_matter = expected.discarded() > 0.0 || histogram.discarded() > 0 || stray > 0;
-    let p_value = match either(coarse.p_value, within.p_value) {
+    let p_value = match any(&p_values) {
         _ if histogram.outside() > 0 || expected.exceeds_one() => 0.0,
-        p if counts_matter => (2.0 * p).min(4.0 * discarded_p).min(4.0 * stray_p).min(1.0),
+        // Half of the level each, where rounding brought points into cells of density 0.
+        p if stray > 0 => 1f64.min(2.0 * p.min(count_p_value(stray, total, 0.0, expected.mass_error))),
         p => p,
     };
-    let [low, high] = [lambda_lower, lambda_upper]
-        .map(|limit| (limit(coarse.statistic, coarse.dof, REJECTION_LEVEL) / n).sqrt());
-    let (observed, expectations) = cells.into_iter().unzip();
+    let limit = |lambda: f64| (lambda / n).sqrt();
+    let observed = coarse_counts(expected, histogram);
+    let (observed, expectations) = expected.coarse.cells(&observed, n).into_iter().unzip();
     let shape = expected.coarse.shape;
     Ok(Evidence {
-        method: method(
-            domain,
-            [coarse, within],
-            histogram,
-            [(histogram.discarded(), discarded_p), (stray, stray_p)],
-        ),
+        method: method(domain, &coarse, within, &special) + &strays(histogram, stray),
         n: total,
-        statistic: coarse.statistic,
-        dof: Some(coarse.dof),
+        statistic: whole.statistic,
+        dof: Some(whole.dof),
         p_value,
-        estimate: ((coarse.statistic - coarse.dof).max(0.0) / n).sqrt(),
-        interval: [low, high],
+        estimate: limit((whole.statistic - whole.dof).max(0.0)),
+        interval: [lambda_lower, lambda_upper]
+            .map(|lambda| limit(lambda(whole.statistic, whole.dof, REJECTION_LEVEL))),
         bound,
         resolution: Resolution {
             quantity: "RMS relative error over cells",
             value: resolution(expected, total),
             power: POWER,
         },
-        doubts: doubts(expected, [coarse, within], histogram),
+        doubts: doubts(expected, [whole, within], histogram),
         pictures: vec![Picture::Cells { shape, axes, observed, expected: expectations }],
     })
 }
@@ -137,38 +226,37 @@ fn blocks(expected: &Expected, histogram: &Histogram, n: f64) -> impl Iterator<I
     })
 }
 
-/// Probability of a number of discarded samples as far from what the density leaves for them.
-fn discarded_p_value(expected: &Expected, histogram: &Histogram) -> f64 {
-    let missing = 1.0 - expected.mass;
-    let [low, high] =
-        [missing - expected.mass_error, missing + expected.mass_error].map(|p| p.clamp(0.0, 1.0));
-    count_p_value(histogram.discarded(), histogram.total(), low, high)
-}
-
 /// Points in cells where the density is 0, as far as the quadrature sees.
 fn stray_points(expected: &Expected, histogram: &Histogram) -> u64 {
     let cells = histogram.counts().iter().zip(&expected.fine.probabilities);
     cells.filter(|(_, p)| **p == 0.0).map(|(count, _)| count).sum()
 }
 
-fn method(
-    domain: &str,
-    [coarse, within]: [Pearson; 2],
-    histogram: &Histogram,
-    counts: [(u64, f64); 2],
-) -> String {
-    let (cells, p) = (coarse.dof + 1.0, coarse.p_value);
+fn method(domain: &str, coarse: &Split, within: Pearson, special: &[(Special, f64)]) -> String {
+    let Split { whole, contrasts, rest } = coarse;
     let mut text = format!(
-        "chi-square on the {domain}: {cells} cells, p {p:.2e}; inside them, {} more, p {:.2e}",
-        within.dof, within.p_value
+        "chi-square on the {domain}: {} cells, of which {} low-order contrasts have p {:.2e} and the rest p {:.2e}; inside them, {} more, p {:.2e}",
+        whole.dof + 1.0,
+        contrasts.dof,
+        contrasts.p_value,
+        rest.p_value,
+        within.dof,
+        within.p_value
     );
-    for ((count, p), what) in counts.into_iter().zip(["discarded", "where the density is 0"]) {
-        if count > 0 || p < 1.0 {
-            text += &format!("; {count} {what}, p {p:.2e}");
-        }
+    for (Special { what, count, .. }, p_value) in special {
+        text += &format!("; {count} {what}, p {p_value:.2e}");
     }
-    if histogram.outside() > 0 {
-        text += &format!("; {} outside", histogram.outside());
+    text
+}
+
+/// Points that no probability allows, in words.
+fn strays(histogram: &Histogram, stray: u64) -> String {
+    let outside = histogram.outside();
+    let mut text = String::new();
+    for (count, what) in [(stray, "where the density is 0"), (outside, "outside")] {
+        if count > 0 {
+            text += &format!("; {count} {what}");
+        }
     }
     text
 }
@@ -179,7 +267,8 @@ fn doubts(expected: &Expected, tests: [Pearson; 2], histogram: &Histogram) -> Ve
         doubts.push(format!("{} points are outside the domain", histogram.outside()));
     }
     if expected.exceeds_one() {
-        doubts.push(format!("the density integrates to {}, more than 1", expected.mass));
+        let total = 1.0 - expected.missing();
+        doubts.push(format!("density and atoms make {total} together, more than 1"));
     }
     for (grid, test) in [&expected.coarse, &expected.fine].into_iter().zip(tests) {
         let (lambda, spread) = (grid.quadrature_lambda(n), (2.0 * test.dof).sqrt());

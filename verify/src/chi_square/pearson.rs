@@ -2,6 +2,7 @@
 
 use statrs::function::gamma::ln_gamma;
 
+use super::contrasts::CONTRASTS;
 use crate::power::chi_square_sf;
 
 /// Expected count below which cells are pooled: the usual limit for the chi-square approximation.
@@ -16,20 +17,37 @@ pub(super) struct Pearson {
 }
 
 impl Pearson {
-    fn of(statistic: f64, dof: f64) -> Self {
+    pub(super) fn of(statistic: f64, dof: f64) -> Self {
         let p_value = if dof > 0.0 { chi_square_sf(statistic, dof) } else { 1.0 };
         Self { statistic, dof, p_value }
     }
 }
 
-/// Compares counts with expectations: Σ (o − e)²/e over cells, rare cells pooled.
-///
-/// * `cells`: observed and expected counts of all cells; those of expectation 0 take no part.
-pub(super) fn pearson(cells: impl Iterator<Item = (f64, f64)>) -> Pearson {
-    let cells = pool(cells);
-    let statistic = cells.iter().map(|(o, e)| (o - e) * (o - e) / e).sum();
-    let dof = cells.len() as f64 - 1.0;
-    Pearson::of(statistic, dof)
+/// A cell or several pooled ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Cell {
+    pub(super) observed: f64,
+    pub(super) expected: f64,
+    /// The contrasts' values times the expectation, so that pooling adds them.
+    pub(super) contrasts: [f64; CONTRASTS],
+}
+
+impl Cell {
+    /// * `contrasts`: values at the cell.
+    pub(super) fn new(observed: f64, expected: f64, contrasts: [f64; CONTRASTS]) -> Self {
+        Self { observed, expected, contrasts: contrasts.map(|value| value * expected) }
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.observed += other.observed;
+        self.expected += other.expected;
+        self.contrasts.iter_mut().zip(other.contrasts).for_each(|(sum, value)| *sum += value);
+    }
+}
+
+/// Pearson's statistic: Σ (o − e)²/e.
+pub(super) fn pearson(cells: &[Cell]) -> f64 {
+    cells.iter().map(|c| (c.observed - c.expected) * (c.observed - c.expected) / c.expected).sum()
 }
 
 /// Compares counts inside blocks of cells with what the block's own count and the expectations' ratios make
@@ -45,31 +63,32 @@ pub(super) fn pearson_within(blocks: impl Iterator<Item = Vec<(f64, f64)>>) -> P
         let possible = || block.iter().filter(|(_, e)| *e > 0.0);
         let (o, e) = possible().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
         if o > 0.0 {
-            let test = pearson(possible().map(|cell| (cell.0, cell.1 * o / e)));
-            statistic += test.statistic;
-            dof += test.dof;
+            let cells = pool(possible().map(|cell| Cell::new(cell.0, cell.1 * o / e, [0.0; CONTRASTS])));
+            statistic += pearson(&cells);
+            dof += cells.len() as f64 - 1.0;
         }
     }
     Pearson::of(statistic, dof)
 }
 
 /// Joins cells of expectation below 5, the rarest first, until each has at least 5; what remains joins the
-/// smallest other cell.
-fn pool(cells: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+/// smallest other cell. Cells of expectation 0 take no part.
+pub(super) fn pool(cells: impl Iterator<Item = Cell>) -> Vec<Cell> {
     let (mut large, mut rare): (Vec<_>, Vec<_>) =
-        cells.filter(|(_, e)| *e > 0.0).partition(|(_, e)| *e >= POOLED_BELOW);
-    rare.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut pool = (0.0, 0.0);
-    for (o, e) in rare {
-        pool = (pool.0 + o, pool.1 + e);
-        if pool.1 >= POOLED_BELOW {
+        cells.filter(|c| c.expected > 0.0).partition(|c| c.expected >= POOLED_BELOW);
+    rare.sort_by(|a, b| a.expected.total_cmp(&b.expected));
+    let empty = Cell::new(0.0, 0.0, [0.0; CONTRASTS]);
+    let mut pool = empty;
+    for cell in &rare {
+        pool.join(cell);
+        if pool.expected >= POOLED_BELOW {
             large.push(pool);
-            pool = (0.0, 0.0);
+            pool = empty;
         }
     }
-    if pool.1 > 0.0 {
-        match large.iter_mut().min_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some(smallest) => *smallest = (smallest.0 + pool.0, smallest.1 + pool.1),
+    if pool.expected > 0.0 {
+        match large.iter_mut().min_by(|a, b| a.expected.total_cmp(&b.expected)) {
+            Some(smallest) => smallest.join(&pool),
             None => large.push(pool),
         }
     }
@@ -122,11 +141,15 @@ fn sum_terms(first: f64, mut k: f64, ratio: impl Fn(f64) -> f64, step: f64) -> f
 mod tests {
     use super::*;
 
+    fn cell((observed, expected): (f64, f64)) -> Cell {
+        Cell::new(observed, expected, [0.0; CONTRASTS])
+    }
+
     #[test]
-    fn the_statistic_of_a_small_table() {
-        let test = pearson([(12.0, 10.0), (8.0, 10.0), (10.0, 10.0)].into_iter());
-        assert_eq!((test.statistic, test.dof), (0.8, 2.0));
+    fn the_p_value_of_a_small_statistic() {
+        let test = Pearson::of(0.8, 2.0);
         assert!((test.p_value - (-0.4f64).exp()).abs() < 1e-14); // two degrees of freedom: exp(−x/2)
+        assert_eq!(Pearson::of(0.0, 0.0).p_value, 1.0);
     }
 
     #[test]
@@ -142,9 +165,12 @@ mod tests {
     #[test]
     fn rare_cells_are_pooled_and_impossible_ones_left_out() {
         let cells = [(9.0, 10.0), (1.0, 2.0), (4.0, 4.0), (0.0, 0.0), (2.0, 1.0), (3.0, 4.5), (1.0, 0.5)];
-        let pooled = pool(cells.into_iter());
-        assert_eq!(pooled, [(9.0, 10.0), (8.0 + 3.0, 7.5 + 4.5)]); // 0.5 + 1 + 2 + 4, then 4.5 remains
-        assert_eq!(pool([(1.0, 2.0), (2.0, 1.0)].into_iter()), [(3.0, 3.0)]);
+        let pooled = pool(cells.map(cell).into_iter());
+        assert_eq!(pooled, [(9.0, 10.0), (8.0 + 3.0, 7.5 + 4.5)].map(cell)); // 0.5 + 1 + 2 + 4, then 4.5 remains
+        assert_eq!(pool([(1.0, 2.0), (2.0, 1.0)].map(cell).into_iter()), [(3.0, 3.0)].map(cell));
+        let mut joined = Cell::new(1.0, 2.0, [3.0; CONTRASTS]);
+        joined.join(&Cell::new(1.0, 1.0, [6.0; CONTRASTS]));
+        assert_eq!(joined.contrasts, [12.0; CONTRASTS]); // 2·3 + 1·6
     }
 
     #[test]

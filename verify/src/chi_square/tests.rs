@@ -86,6 +86,60 @@ fn discarded_samples_are_held_against_the_missing_mass() {
 }
 
 #[test]
+fn atoms_are_held_against_their_probabilities() {
+    // A third of the samples at the centre, a tenth at the edge, the rest on the disk.
+    let lobes = |first: f64| {
+        move |[choice, u, v]: [f64; 3]| match choice {
+            c if c < first => Drawn::Atom(0),
+            c if c < first + 0.1 => Drawn::Atom(1),
+            _ => Drawn::Point(polar(u.sqrt(), v)),
+        }
+    };
+    let test = |atoms: &[f64], first: f64| {
+        ChiSquare::on(Disk::unit()).atoms(atoms).draws(lobes(first)).bound(0.02).defect_in(1)
+    };
+    let third = 1.0 / 3.0;
+    test(&[third, 0.1], third).run(Seed::from_env()).assert_holds();
+    let wrong = test(&[third, 0.1], 0.34).evidence(&RUN).expect("runs");
+    assert!(wrong.p_value < 1e-9 && wrong.method.contains("at atom 0"), "{}", wrong.method);
+    let unknown = test(&[third], third).evidence(&RUN).expect("runs");
+    assert!(unknown.p_value == 0.0 && unknown.doubts[0].contains("outside"));
+    let thick = ChiSquare::on(Disk::unit()).density(|_| 0.5 / PI).atoms(&[third, 0.2]).draws(lobes(third));
+    let too_much = thick.bound(0.02).evidence(&RUN).expect("runs");
+    assert!(too_much.p_value == 0.0 && too_much.doubts[0].contains("more than 1"));
+}
+
+#[test]
+fn a_smooth_error_below_the_resolution_is_seen_by_the_contrasts() {
+    let test = ChiSquare::on(Disk::unit()).samples(right_disk).bound(0.01);
+    let size = 0.8 * test.resolution(&RUN).expect("a density");
+    let evidence = test.evidence_with_defect(&RUN, size).expect("runs");
+    assert!(
+        evidence.p_value < 1e-3 && evidence.method.contains("14 low-order contrasts"),
+        "{}",
+        evidence.method
+    );
+}
+
+#[test]
+fn a_low_discrepancy_source_is_refused() {
+    let test = ChiSquare::on(Disk::unit()).samples(right_disk).source(Source::LowDiscrepancy);
+    assert!(matches!(test.evidence(&RUN), Err(InputError::NotIndependent { .. })));
+}
+
+#[test]
+fn a_density_on_cells_is_followed() {
+    // Density 2x on [0, 1) in steps of a quarter, drawn by choosing the step.
+    let steps = |[u, v, w]: [f64; 3]| {
+        let step = [1.0, 4.0, 9.0].iter().filter(|limit| 16.0 * u > **limit).count() as f64;
+        Some([(step + v) / 4.0, w])
+    };
+    let table = vec![0.25, 0.75, 1.25, 1.75];
+    let test = ChiSquare::on(Parallelogram::unit_square()).cells([4, 1], table).samples(steps).defect_in(1);
+    test.bound(0.02).run(Seed::from_env()).assert_holds();
+}
+
+#[test]
 fn a_narrow_error_is_seen_inside_the_cells() {
     // A tooth of the size of a fine cell: the coarse grid's cells keep their counts.
     let tooth = |[u]: [f64; 1]| Some((u * 2000.0).floor() / 2000.0 + (u * 2000.0).fract().powf(1.1) / 2000.0);

@@ -1,4 +1,4 @@
-use super::{Domain, EDGE_ROUNDING, inside, turn};
+use super::{Domain, EDGE_ROUNDING, inside, is_unit, turn};
 
 /// Unit vectors within an angle of +z: the sphere, the hemisphere and cones; its measure is solid angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,12 +34,10 @@ impl Domain for Directions {
     /// The share of the height between pole and rim (Archimedes: dω = dz dφ), and the angle about z as a
     /// share of the circle.
     fn to_square(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
-        let ring = x * x + y * y;
-        let square = ring + z * z;
-        let is_unit = (square - 1.0).abs() <= 2.0 * EDGE_ROUNDING;
-        if !is_unit {
+        if !is_unit([x, y, z]) {
             return None;
         }
+        let ring = x * x + y * y;
         let below_pole = if z > 0.0 { ring / (1.0 + z) } else { 1.0 - z }; // 1 − z without cancellation
         Some([inside(below_pole / self.depth, EDGE_ROUNDING / self.depth.min(1.0).sqrt())?, turn(x, y)])
     }

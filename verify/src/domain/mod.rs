@@ -8,12 +8,16 @@ mod directions;
 mod disk;
 mod interval;
 mod parallelogram;
+mod spherical_rectangle;
+mod spherical_triangle;
 mod triangle;
 
 pub use directions::Directions;
 pub use disk::Disk;
 pub use interval::Interval;
 pub use parallelogram::Parallelogram;
+pub use spherical_rectangle::SphericalRectangle;
+pub use spherical_triangle::SphericalTriangle;
 pub use triangle::Triangle;
 
 /// Relative distance by which a point may miss its domain, since points made in single precision miss it by
@@ -121,6 +125,24 @@ fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
 
 fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+fn cross([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> [f64; 3] {
+    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = dot(a, a).sqrt();
+    a.map(|x| x / length)
+}
+
+/// Whether a vector's length is 1, as far as single precision says.
+fn is_unit(a: [f64; 3]) -> bool {
+    (dot(a, a) - 1.0).abs() <= 2.0 * EDGE_ROUNDING
 }
 
 #[cfg(test)]

@@ -1,21 +1,22 @@
 use super::Image;
-use super::welch::{Difference, Sum};
+use super::swaps;
 use crate::claim::{Evidence, REJECTION_LEVEL, Resolution, SINGLE_RUN_LEVEL, Verdict};
 use crate::error::InputError;
 use crate::estimate::LARGEST_SHARE;
 use crate::power::chi_square_sf;
 use crate::tails::{positive, t_noncentrality};
+use crate::welch::{Difference, Sum};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// Relative rounding of pixels stored as f32: two conversions and a few operations, 2^-24 each.
-const ROUNDING: f64 = 1e-6;
+pub(super) const ROUNDING: f64 = 1e-6;
 /// How many times the expected number of pixels may be beyond the level before it raises a doubt: samples of a path tracer are skewed,
 /// and their errors rest on few replicates. A right image of the Cornell box at 64 samples a pixel has 2.1 times the number with 8
 /// replicates, and 2.8 times with 16.
 const SKEWED: f64 = 4.0;
 
 /// Level beyond which a pixel counts.
-const PIXEL_LEVEL: f64 = 0.01;
+pub(super) const PIXEL_LEVEL: f64 = 0.01;
 /// Number of tests that share the level: whole image, worst tile, all tiles.
 const TESTS: f64 = 3.0;
 
@@ -87,10 +88,26 @@ pub struct Pixels {
     pub count: usize,
     /// How many are beyond the level in any channel.
     pub beyond: u64,
-    /// How many equal images would have, at most.
+    /// How many equal images have on average.
     pub expected: f64,
-    /// Probability of so many, if pixels' errors were exactly normal.
+    /// Where the level comes from swapped seeds, the most that a swap has beyond it.
+    pub most_swapped: Option<u64>,
+    /// Probability of so many: of the true sides among the swapped ones; where no seed can be swapped, if pixels' errors were exactly
+    /// normal.
     pub p_value: f64,
+}
+
+impl Pixels {
+    /// Whether equal images do not have so many.
+    ///
+    /// Swapped seeds show how far the number spreads, so twice the most of them is too many; without them skewed errors and errors from
+    /// few replicates move the level itself, and it takes four times the expected number.
+    pub(super) fn are_too_many(&self) -> bool {
+        match self.most_swapped {
+            Some(most) => self.beyond > 2 * most,
+            None => self.p_value < SINGLE_RUN_LEVEL && self.beyond as f64 > SKEWED * self.expected,
+        }
+    }
 }
 
 /// Compares two images of the same size.
@@ -181,6 +198,9 @@ fn tiles(a: &Image, b: &Image) -> Tiles {
 }
 
 fn pixels(a: &Image, b: &Image) -> Pixels {
+    if let Some(swapped) = swaps::pixels(a, b) {
+        return swapped;
+    }
     let count = a.mean.len() / a.channels;
     let one = |image: &Image, entry: usize| {
         let [mean, variance] = image.pixel(entry);
@@ -196,15 +216,14 @@ fn pixels(a: &Image, b: &Image) -> Pixels {
         0 => 1.0,
         more => binomial.sf(more - 1),
     });
-    Pixels { count, beyond, expected: PIXEL_LEVEL * count as f64, p_value: tail }
+    Pixels { count, beyond, expected: PIXEL_LEVEL * count as f64, most_swapped: None, p_value: tail }
 }
 
 fn doubts(a: &Image, b: &Image, pixels: &Pixels) -> Vec<String> {
     let mut doubts = Vec::new();
     if !(a.error_known() && b.error_known()) {
         doubts.push(String::from("an image does not know its errors: one replicate, one file"));
-    } else if pixels.p_value < SINGLE_RUN_LEVEL && pixels.beyond as f64 > SKEWED * pixels.expected {
-        // Twice, since errors from few replicates move the level itself.
+    } else if pixels.are_too_many() {
         let (beyond, expected) = (pixels.beyond, pixels.expected);
         doubts
             .push(format!("{beyond} pixels differ beyond their errors where {expected:.0} would by chance"));

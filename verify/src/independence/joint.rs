@@ -1,15 +1,12 @@
 //! Many pairs of streams judged as one claim, from counts and sums that need no memory of the numbers.
 
-use super::{POWER, Table};
+use super::{Correlation, POWER, Table, resolution};
 use crate::claim::{Evidence, Picture, REJECTION_LEVEL, Resolution};
 use crate::error::InputError;
-use crate::tails::{normal_quantile, normal_tail, positive};
+use crate::tails::positive;
 
 /// Columns and rows of a tally's table.
 const GRID: usize = 8;
-
-/// Tests of each pair: the table, and the linear correlation. Uniform numbers are their own ranks.
-const TESTS: f64 = 2.0;
 
 /// What is kept of the pairs of two streams that have been seen.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,15 +60,16 @@ impl Tally {
 
 /// Judges the independence of several pairs of streams as one claim.
 ///
-/// Of m pairs each has a table's chi-square and Fisher's z of the linear correlation, so p = min(1, 2m·min p). The defect is the largest |r|, with
-/// limits at 1 − 1e-3/m for each; the resolution is the |ρ| that is found with power 0.9 in the pair of which the fewest were seen.
+/// Each of the m pairs is tested as by [`IndependenceClaim`](super::IndependenceClaim). Correlations and tables of different pairs do not
+/// depend on one another even where the pairs share a stream, so p = 1 − (1 − min p)²ᵐ (Šidák). The defect is the largest |r|, with limits
+/// at 1 − 1e-3/m for each; the resolution is the |ρ| that is found with power 0.9 in the pair of which the fewest were seen.
 /// Margins need not be uniform.
 ///
 /// # Errors
 /// [`InputError`] for no tally, fewer than five pairs a cell in one, a number outside [0, 1), or a bound that is not above 0.
 ///
 /// # Source
-/// As [`IndependenceClaim::evidence`](super::IndependenceClaim::evidence); Bonferroni's inequality.
+/// As [`IndependenceClaim::evidence`](super::IndependenceClaim::evidence).
 pub fn judge_tallies(tallies: &[Tally], bound: f64) -> Result<Evidence, InputError> {
     positive("bound", bound)?;
     let needed = 5 * (GRID * GRID) as u64;
@@ -87,17 +85,14 @@ pub fn judge_tallies(tallies: &[Tally], bound: f64) -> Result<Evidence, InputErr
             accepted: "0",
         });
     }
-    let tests = TESTS * tallies.len() as f64;
-    let half = normal_quantile(0.5 * REJECTION_LEVEL / tallies.len() as f64);
-    let found: Vec<Finding> = tallies.iter().map(|tally| Finding::of(tally, half)).collect();
+    let streams = tallies.len() as f64;
+    let found: Vec<Finding> = tallies.iter().map(|tally| Finding::of(tally, streams)).collect();
     let largest = |of: fn(&Finding) -> f64| found.iter().map(of).fold(0.0, f64::max);
     let (place, worst) = found
         .iter()
         .enumerate()
         .min_by(|a, b| a.1.p_value.total_cmp(&b.1.p_value))
         .ok_or(InputError::TooFew { what: "pairs of streams", given: 0, needed: 1 })?;
-    let shift = normal_quantile(0.5 * REJECTION_LEVEL / tests) + normal_quantile(1.0 - POWER);
-    let resolution = (shift / (fewest as f64 - 3.0).sqrt()).tanh();
     let table = Table::of_counts(tallies[place].counts.map(f64::from).to_vec(), GRID);
     Ok(Evidence {
         method: format!(
@@ -108,11 +103,11 @@ pub fn judge_tallies(tallies: &[Tally], bound: f64) -> Result<Evidence, InputErr
         n: fewest,
         statistic: table.statistic,
         dof: Some(table.dof),
-        p_value: (tests * worst.p_value).min(1.0),
+        p_value: worst.p_value,
         estimate: largest(|f| f.correlation),
         interval: [largest(|f| f.interval[0]), largest(|f| f.interval[1])],
         bound,
-        resolution: Resolution { quantity: "correlation", value: resolution, power: POWER },
+        resolution: Resolution { quantity: "correlation", value: resolution(streams, fewest), power: POWER },
         doubts: Vec::new(),
         pictures: vec![Picture::Cells {
             shape: [GRID, GRID],
@@ -131,15 +126,13 @@ struct Finding {
 }
 
 impl Finding {
-    /// * `half`: half width of the interval in standard errors of Fisher's z.
-    fn of(tally: &Tally, half: f64) -> Self {
+    /// * `streams`: number of pairs that share the level; the p-value is corrected for them.
+    fn of(tally: &Tally, streams: f64) -> Self {
         let table = Table::of_counts(tally.counts.map(f64::from).to_vec(), GRID);
-        let root = (tally.n as f64 - 3.0).sqrt();
-        let r = tally.correlation();
-        let z = r.atanh() * root;
-        let limit = |shift: f64| (r.abs().atanh() + shift / root).max(0.0).tanh();
-        let p_value = table.p_value.min(2.0 * normal_tail(z.abs()));
-        Self { p_value, correlation: r.abs(), interval: [limit(-half), limit(half)] }
+        let correlation = Correlation::of(tally.correlation(), tally.n);
+        let interval = correlation.interval(0.5 * REJECTION_LEVEL / streams);
+        let p_value = correlation.joined_with(&table, streams);
+        Self { p_value, correlation: correlation.r.abs(), interval }
     }
 }
 
