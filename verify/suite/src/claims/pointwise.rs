@@ -34,11 +34,19 @@ pub(super) fn rejecting<const N: usize>(
 ) -> ClaimBuilder {
     let misses = Arc::new(misses);
     let rarely = misses.clone();
-    builder
-        .rejects(name, move |run| evidence(run, "share of points", &*misses, 1))
+    rejecting_subtle(builder, name, move |u| misses(u))
         .rejects(format!("{name}, at {RARE} points"), move |run| {
             evidence(run, "share of points", &*rarely, trials(run)? / RARE)
         })
+}
+
+/// Adds a control that misses at few points by itself.
+pub(super) fn rejecting_subtle<const N: usize>(
+    builder: ClaimBuilder,
+    name: &'static str,
+    misses: impl Fn([f64; N]) -> bool + Send + Sync + 'static,
+) -> ClaimBuilder {
+    builder.rejects(name, move |run| evidence(run, "share of points", &misses, 1))
 }
 
 fn trials(run: &Run) -> Result<u64, InputError> {

@@ -4,7 +4,7 @@ use renderer::materials::fresnel::{Interface, dielectric};
 use verify::claim::{Claim, claim};
 
 use super::super::lobe::closed_form;
-use super::super::pointwise::{EPSILON, never, rejecting, single};
+use super::super::pointwise::{EPSILON, never, rejecting, rejecting_subtle, single};
 use crate::wrong;
 
 /// What is looked at: an interface, from the cosine seen and the index.
@@ -131,14 +131,14 @@ fn critical() -> Claim {
         let is_total = found.cos_t.is_none() && found.reflectance == 1.0 && found.transmittance == 0.0;
         is_total != total || !total && found.reflectance >= 1.0
     };
-    pointwise(
-        (
-            "fresnel/dielectric/critical",
-            "from inside, all light is reflected beyond asin(1/η) and not before",
-        ),
-        misses,
-        [("index 1e-5 too large", DENSER), ("seen from the other side", |cos, eta| dielectric(-cos, eta))],
-    )
+    let builder = claim(
+        "fresnel/dielectric/critical",
+        "from inside, all light is reflected beyond asin(1/η) and not before",
+    );
+    let builder = rejecting_subtle(builder, "index 1e-5 too large", move |u| misses(u, DENSER));
+    let other_side: Solve = |cos, eta| dielectric(-cos, eta);
+    let builder = rejecting(builder, "seen from the other side", move |u| misses(u, other_side));
+    never(builder, "share of angles and indices with another verdict", move |u| misses(u, dielectric))
 }
 
 fn energy() -> Claim {
