@@ -13,8 +13,8 @@ use crate::scene::Scene;
 /// Side of a tile in pixels.
 const TILE: u32 = 16;
 
-/// Samples that travel together.
-const BATCH: usize = 4096;
+/// Samples that travel together: few enough for the lists of all stages to stay in a core's own cache.
+const BATCH: usize = 512;
 
 /// How much work is done, and from which seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
