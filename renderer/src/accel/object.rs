@@ -74,6 +74,27 @@ impl Object {
         }
     }
 
+    /// A point of the surface for `u` in [0, 1)², uniform in the solid angle that it is seen under from `from`.
+    ///
+    /// Returns: with its density per steradian at `from`; `None` in motion, and where [`Shape::sample_solid_angle`]
+    /// has none.
+    #[expect(clippy::cast_possible_truncation, reason = "densities are f32")]
+    pub fn sample_solid_angle(&self, from: Vec3, u: [f32; 2]) -> Option<(SurfacePoint, f32)> {
+        let rests = self.motion.is_none();
+        let (surface, pdf) = rests.then(|| self.shape.sample_solid_angle(from.as_dvec3(), u))??;
+        Some((surface, pdf as f32))
+    }
+
+    /// The density with which `sample_solid_angle` takes a point of `element`, if it takes one.
+    ///
+    /// # Measure
+    /// per steradian at `from`.
+    #[expect(clippy::cast_possible_truncation, reason = "densities are f32")]
+    pub fn pdf_solid_angle(&self, element: u32, from: Vec3) -> Option<f32> {
+        let rests = self.motion.is_none();
+        rests.then(|| self.shape.pdf_solid_angle(element, from.as_dvec3()))?.map(|pdf| pdf as f32)
+    }
+
     /// The density with which `sample_area` takes a point with geometric normal `ng`.
     ///
     /// A map M stretches the area of a surface whose image has the unit normal n by |det M| / |Mᵀn|.

@@ -45,8 +45,8 @@ pub struct Path {
 pub struct Surface {
     /// Index of the path in the batch.
     pub path: u32,
-    /// Distance along the path's ray.
-    pub distance: f32,
+    /// Where along the path's ray, and on what.
+    pub hit: Hit,
     /// The point hit.
     pub interaction: Interaction,
     /// The frame around its shading normal.

@@ -82,7 +82,7 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
         if let Some(hit) = hit {
             let interaction = scene.accel.interaction(&path.ray, hit);
             let frame = interaction.frame();
-            batch.surfaces.push(Surface { path: index, distance: hit.t, interaction, frame });
+            batch.surfaces.push(Surface { path: index, hit: *hit, interaction, frame });
         }
     }
 }
@@ -90,12 +90,13 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
 /// Light that each path's ray has run into, weighed against the chance of having connected to it.
 pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     for index in 0..batch.surfaces.len() {
-        let Surface { path, distance, interaction, .. } = batch.surfaces[index];
+        let Surface { path, hit, interaction, .. } = batch.surfaces[index];
         let path = batch.paths[path as usize];
+        let ng = interaction.surface.ng;
         if let Some(light) = scene.light_of(interaction.object)
-            && interaction.surface.ng.dot(interaction.wo) > 0.0
+            && ng.dot(interaction.wo) > 0.0
         {
-            let pdf = scene.lights.pmf() * light.pdf(&scene.accel, &interaction, distance);
+            let pdf = scene.lights.pmf() * light.pdf(&scene.accel, &path.ray, &hit, ng);
             batch
                 .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
         }
@@ -137,9 +138,7 @@ pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, 
         let light = scene.lights.choose(u_light);
         let u = match light {
             Light::Point { .. } | Light::Directional { .. } => [0.0; 2],
-            Light::Area { .. } | Light::Constant { .. } => {
-                sampler.draw_2d(id, path.vertex, Decision::LightPoint)
-            }
+            Light::Area(_) | Light::Constant { .. } => sampler.draw_2d(id, path.vertex, Decision::LightPoint),
         };
         let Some(light) = light.sample(&scene.accel, &interaction, u) else { continue };
         let bsdf = material.bsdf(interaction.surface.uv);

@@ -7,23 +7,20 @@ use glam::Vec3;
 use crate::accel::Accel;
 use crate::interaction::Interaction;
 use crate::math::Rgb;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 use crate::sampling::warp;
 
+pub mod area;
 pub mod select;
 
+pub use area::{AreaLight, LightSampling};
 pub use select::Lights;
 
 /// A source of light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
-    /// A shape that emits the same radiance in every direction from the side of its normal.
-    Area {
-        /// Index of the shape.
-        object: u32,
-        /// Radiance [W m⁻² sr⁻¹].
-        radiance: Rgb,
-    },
+    /// A shape that emits.
+    Area(AreaLight),
     /// The same radiance from every direction beyond all shapes.
     Constant {
         /// Radiance [W m⁻² sr⁻¹].
@@ -64,30 +61,13 @@ pub struct LightSample {
 impl Light {
     /// A point on the light for `u` in [0, 1)², as seen from `from`.
     ///
-    /// An area light gives a uniform point on its surface. With the distance d and the cosine at the light cos θ'
-    /// its density becomes d² / (A·cos θ') per steradian, so that L / pdf = L·A·cos θ' / d².
-    ///
     /// Returns: `None` where the light sends nothing this way.
     ///
     /// # Measure
     /// per steradian at `from`.
-    ///
-    /// # Source
-    /// Shirley, Wang and Zimmerman 1996, "Monte Carlo techniques for direct lighting calculations", section 3
-    /// (doi:10.1145/226150.226151).
     pub fn sample(&self, accel: &Accel, from: &Interaction, u: [f32; 2]) -> Option<LightSample> {
         match *self {
-            Self::Area { object, radiance } => {
-                let (target, pdf_area) = accel.objects()[object as usize].sample_area(u, from.time);
-                let d = target.point - from.surface.point;
-                let wi = d.try_normalize()?;
-                let cos = -wi.dot(target.ng);
-                if cos <= 0.0 {
-                    return None;
-                }
-                let pdf = per_steradian(pdf_area, d.length_squared(), cos);
-                Some(LightSample { wi, shadow_ray: from.spawn_to(&target), radiance, pdf, delta: false })
-            }
+            Self::Area(ref light) => light.sample(accel, from, u),
             Self::Constant { radiance } => {
                 let wi = warp::square_to_sphere(u);
                 Some(LightSample { wi, shadow_ray: from.spawn(wi), radiance, pdf: 0.25 / PI, delta: false })
@@ -117,21 +97,19 @@ impl Light {
     /// What it sends towards whoever sees it: radiance, or intensity or irradiance for a light without extent.
     pub fn radiance(&self) -> Rgb {
         match *self {
-            Self::Area { radiance, .. } | Self::Constant { radiance } => radiance,
+            Self::Area(AreaLight { radiance, .. }) | Self::Constant { radiance } => radiance,
             Self::Point { intensity, .. } => intensity,
             Self::Directional { irradiance, .. } => irradiance,
         }
     }
 
-    /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light.
+    /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light from the
+    /// origin of `ray`.
     ///
-    /// * `distance`: from where the light is seen to `hit`.
-    pub fn pdf(&self, accel: &Accel, hit: &Interaction, distance: f32) -> f32 {
-        match *self {
-            Self::Area { object, .. } => {
-                let pdf_area = accel.objects()[object as usize].pdf_area(hit.surface.ng, hit.time);
-                per_steradian(pdf_area, distance * distance, hit.surface.ng.dot(hit.wo))
-            }
+    /// * `ng`: geometric normal at the hit.
+    pub fn pdf(&self, accel: &Accel, ray: &Ray, hit: &Hit, ng: Vec3) -> f32 {
+        match self {
+            Self::Area(light) => light.pdf(accel, ray, hit, ng),
             Self::Constant { .. } | Self::Point { .. } | Self::Directional { .. } => self.pdf_escaped(),
         }
     }
@@ -140,12 +118,7 @@ impl Light {
     pub fn pdf_escaped(&self) -> f32 {
         match self {
             Self::Constant { .. } => 0.25 / PI,
-            Self::Area { .. } | Self::Point { .. } | Self::Directional { .. } => 0.0,
+            Self::Area(_) | Self::Point { .. } | Self::Directional { .. } => 0.0,
         }
     }
-}
-
-/// A density per m² at squared distance `d2`, seen under the cosine `cos`, as one per steradian: p·d² / cos.
-fn per_steradian(pdf_area: f32, d2: f32, cos: f32) -> f32 {
-    pdf_area * d2 / cos
 }

@@ -61,7 +61,7 @@ impl Effects {
         Self::NONE
             .with(Effect::Lens, scene.camera.has_lens())
             .with(Effect::Shutter, scene.shutter.length() > 0.0 && moves)
-            .with(Effect::AreaLight, scene.lights.as_slice().iter().any(|l| matches!(l, Light::Area { .. })))
+            .with(Effect::AreaLight, scene.lights.as_slice().iter().any(|l| matches!(l, Light::Area(_))))
             .with(Effect::Rough, calls.iter().any(|c| c.rough))
             .with(Effect::Dielectric, calls.iter().any(|c| c.dielectric))
             .with(Effect::InterReflection, scene.integrator.max_depth.is_none_or(|depth| depth > 2))

@@ -8,7 +8,7 @@ use crate::accel::{Accel, Object};
 use crate::camera::{Camera, Shutter};
 use crate::error::{Error, ParamError};
 use crate::film::Film;
-use crate::lights::{Light, Lights};
+use crate::lights::{AreaLight, Light, Lights};
 use crate::materials::Material;
 use crate::math::Rgb;
 use crate::shapes::Shape;
@@ -78,7 +78,9 @@ impl Scene {
             let light = if object.radiance.is_black() { None } else { Some(index(lights.len())?) };
             if light.is_some() {
                 check_radiance(object.radiance).map_err(refuse(&object.name))?;
-                lights.push(Light::Area { object: index(objects.len())?, radiance: object.radiance });
+                let sampling = description.integrator.light_sampling;
+                let light = AreaLight::new(index(objects.len())?, &placed, object.radiance, sampling);
+                lights.push(Light::Area(light));
             }
             surfaces.push(SurfaceSettings { material: object.material.clone(), light });
             objects.push(placed);

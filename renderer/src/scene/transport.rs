@@ -1,5 +1,7 @@
 //! Which light paths a scene asks for.
 
+use crate::lights::LightSampling;
+
 /// How light is looked for at a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Strategy {
@@ -41,6 +43,8 @@ pub struct IntegratorSettings {
     pub branch: Branch,
     /// How light is looked for.
     pub strategy: Strategy,
+    /// How points on lights are chosen.
+    pub light_sampling: LightSampling,
     /// Whether lights are invisible to the camera.
     pub hide_emitters: bool,
 }
@@ -52,6 +56,7 @@ impl IntegratorSettings {
         rr_depth: 5,
         branch: Branch::Fresnel,
         strategy: Strategy::Both,
+        light_sampling: LightSampling::Auto,
         hide_emitters: false,
     };
 

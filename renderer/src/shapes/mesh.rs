@@ -3,11 +3,12 @@
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::triangle::ShearedRay;
-use super::{ShapeHit, rounded};
+use super::{SMALLEST_SOLID_ANGLE, ShapeHit, rounded};
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::ray::Ray;
+use crate::sampling::warp::SphericalTriangle;
 
 /// A mesh as files hold it.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -132,19 +133,44 @@ impl Mesh {
     ///
     /// # Precision, limits
     /// The first number has 24 bits, so with T equal triangles the place within one has 24 − log₂ T.
-    #[expect(clippy::cast_possible_truncation, reason = "numbers in [0, 1]")]
-    pub(super) fn sample_area(&self, [u0, u1]: [f32; 2]) -> SurfacePoint {
-        let target = f64::from(u0) * self.area();
+    fn choose(&self, u: f32) -> (u32, f64) {
+        let target = f64::from(u) * self.area();
         let chosen = self.areas.partition_point(|&sum| sum <= target).min(self.areas.len() - 1);
         let before = if chosen == 0 { 0.0 } else { self.areas[chosen - 1] };
         let place = ((target - before) / (self.areas[chosen] - before)).clamp(0.0, 1.0);
+        (u32::try_from(chosen).expect("`check` bounds the number of triangles"), place)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "numbers in [0, 1]")]
+    pub(super) fn sample_area(&self, [u0, u1]: [f32; 2]) -> SurfacePoint {
+        let (chosen, place) = self.choose(u0);
         // An area-preserving map: density 1/2 of the parallelogram's.
         let root = place.sqrt();
         let (v, w) = (root * (1.0 - f64::from(u1)), root * f64::from(u1));
-        self.surface(
-            u32::try_from(chosen).expect("`check` bounds the number of triangles"),
-            [v as f32, w as f32],
-        )
+        self.surface(chosen, [v as f32, w as f32])
+    }
+
+    /// How a triangle looks from `from`, and its share of the area; `None` where points by area serve better.
+    fn seen_from(&self, triangle: u32, from: DVec3) -> Option<(SphericalTriangle, f64)> {
+        let seen = SphericalTriangle::new(self.vertices(triangle).map(|p| p.as_dvec3() - from))?;
+        let index = triangle as usize;
+        let before = if index == 0 { 0.0 } else { self.areas[index - 1] };
+        let share = (self.areas[index] - before) / self.area();
+        (seen.solid_angle() > SMALLEST_SOLID_ANGLE).then_some((seen, share))
+    }
+
+    /// The density of [`Self::sample_solid_angle`] on a triangle.
+    pub(super) fn pdf_solid_angle(&self, triangle: u32, from: DVec3) -> Option<f64> {
+        self.seen_from(triangle, from).map(|(seen, share)| share / seen.solid_angle())
+    }
+
+    /// A triangle by its share of the area, then a point of it by the solid angle.
+    #[expect(clippy::cast_possible_truncation, reason = "numbers in [0, 1]")]
+    pub(super) fn sample_solid_angle(&self, from: DVec3, u: [f32; 2]) -> Option<(SurfacePoint, f64)> {
+        let (chosen, place) = self.choose(u[0]);
+        let (seen, share) = self.seen_from(chosen, from)?;
+        let weights = seen.sample([place, f64::from(u[1])]).map(|w| w as f32);
+        Some((self.surface(chosen, weights), share / seen.solid_angle()))
     }
 }
 

@@ -178,7 +178,43 @@ impl Shape {
             Self::Mesh(m) => m.sample_area(u),
         }
     }
+
+    /// The point of the surface for `u` in [0, 1)², uniform in the solid angle that it is seen under from `from`, and
+    /// its density; a mesh's triangle is chosen by its area.
+    ///
+    /// Returns: `None` for shapes without such a map, and where rounding would spoil it: the place of `from`, or the
+    /// triangle of `u`, decides alone, and [`Self::pdf_solid_angle`] decides the same.
+    ///
+    /// # Measure
+    /// per steradian at `from`.
+    pub fn sample_solid_angle(&self, from: DVec3, u: [f32; 2]) -> Option<(SurfacePoint, f64)> {
+        match self {
+            Self::Sphere(s) => s.sample_solid_angle(from, u),
+            Self::Rectangle(r) => r.sample_solid_angle(from, u),
+            Self::Mesh(m) => m.sample_solid_angle(from, u),
+            Self::Disk(_) | Self::Cylinder(_) => None,
+        }
+    }
+
+    /// The density of [`Self::sample_solid_angle`] on an element.
+    ///
+    /// # Measure
+    /// per steradian at `from`.
+    pub fn pdf_solid_angle(&self, element: u32, from: DVec3) -> Option<f64> {
+        match self {
+            Self::Sphere(s) => s.pdf_solid_angle(from),
+            Self::Rectangle(r) => r.seen_from(from).map(|seen| 1.0 / seen.solid_angle()),
+            Self::Mesh(m) => m.pdf_solid_angle(element, from),
+            Self::Disk(_) | Self::Cylinder(_) => None,
+        }
+    }
 }
+
+/// Solid angle in steradians from which on points are taken by it.
+///
+/// A smaller shape looks flat and even, and the digits of maps by solid angle get fewer with the size: with 53 of them
+/// the place on a needle of 1e-12 sr is known to 1e-4 of its width.
+const SMALLEST_SOLID_ANGLE: f64 = 1e-12;
 
 /// Refuses shapes that f32 can't hold or that have no area.
 fn check_extent(shape: &Shape) -> Result<(), ParamError> {

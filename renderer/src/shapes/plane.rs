@@ -43,6 +43,15 @@ impl Plane {
         }
     }
 
+    /// Where the middle of the plane lies from `from`, along a, across a in the plane, and along its normal; `None` if
+    /// the plane's axes are not at right angles, to 1e-6 (transforms in files have that many digits).
+    pub(super) fn middle_from(&self, from: DVec3) -> Option<[f64; 3]> {
+        let (x, z) = (self.a.normalize(), self.cross.normalize());
+        let square = self.a.dot(self.b).abs() <= 1e-6 * self.a.length() * self.b.length();
+        let to = self.center - from;
+        square.then(|| [to.dot(x), to.dot(z.cross(x)), to.dot(z)])
+    }
+
     /// |a × b|: the area per unit of x and y.
     pub(super) fn jacobian(&self) -> f64 {
         self.cross.length()

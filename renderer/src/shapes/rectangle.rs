@@ -1,12 +1,13 @@
 //! Parallelograms.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::plane::Plane;
-use super::{ShapeHit, accept};
+use super::{SMALLEST_SOLID_ANGLE, ShapeHit, accept};
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::ray::Ray;
+use crate::sampling::warp::SphericalRectangle;
 
 /// The image of [−1, 1]² in the plane z = 0; its normal is that of +z.
 #[derive(Debug, Clone)]
@@ -45,5 +46,23 @@ impl Rectangle {
 
     pub(super) fn sample_area(&self, [u, v]: [f32; 2]) -> SurfacePoint {
         self.plane.surface([2.0 * u - 1.0, 2.0 * v - 1.0], [u, v])
+    }
+
+    /// How it looks from `from`; `None` where points by area serve better.
+    pub(super) fn seen_from(&self, from: DVec3) -> Option<SphericalRectangle> {
+        let [x, y, z] = self.plane.middle_from(from)?;
+        let half = [self.plane.a.length(), self.plane.b.length()];
+        if z == 0.0 {
+            return None;
+        }
+        let seen = SphericalRectangle::new([x - half[0], y - half[1]], half.map(|h| 2.0 * h), z.abs());
+        (seen.solid_angle() > SMALLEST_SOLID_ANGLE).then_some(seen)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "a place on the rectangle is two f32 numbers")]
+    pub(super) fn sample_solid_angle(&self, from: DVec3, u: [f32; 2]) -> Option<(SurfacePoint, f64)> {
+        let seen = self.seen_from(from)?;
+        let place = seen.sample(u.map(f64::from)).map(|c| c as f32);
+        Some((self.sample_area(place), 1.0 / seen.solid_angle()))
     }
 }

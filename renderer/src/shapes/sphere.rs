@@ -1,9 +1,13 @@
 //! Spheres.
 
+use std::f64::consts::TAU;
+
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::quadratic::roots;
-use super::{ShapeHit, accept, check_point, check_radius, rounded_curved, turn, uniform_scale};
+use super::{
+    SMALLEST_SOLID_ANGLE, ShapeHit, accept, check_point, check_radius, rounded_curved, turn, uniform_scale,
+};
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
@@ -98,7 +102,41 @@ impl Sphere {
         let z = 1.0 - 2.0 * u0;
         // 1 − z² without cancellation near the poles.
         let r = 2.0 * (u0 * (1.0 - u0)).sqrt();
-        let (sin, cos) = libm::sincos(std::f64::consts::TAU * u1);
+        let (sin, cos) = libm::sincos(TAU * u1);
         self.point_towards(DVec3::new(r * cos, r * sin, z))
+    }
+
+    /// What is seen of it from outside, from `from`: the unit vector to the centre, the distance to it, and
+    /// 1 − cos of the cone that it fills.
+    fn cone_from(&self, from: DVec3) -> Option<(DVec3, f64, f64)> {
+        let to = self.center - from;
+        let distance = to.length();
+        let sine = self.radius / distance;
+        let height = sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt());
+        (sine < 1.0 && TAU * height > SMALLEST_SOLID_ANGLE).then(|| (to / distance, distance, height))
+    }
+
+    /// The density of [`Self::sample_solid_angle`]; `None` from inside.
+    pub(super) fn pdf_solid_angle(&self, from: DVec3) -> Option<f64> {
+        self.cone_from(from).map(|(_, _, height)| 1.0 / (TAU * height))
+    }
+
+    /// 1 − cos θ is uniform on the cone's, and so is the angle around it (Archimedes).
+    ///
+    /// The distance to the point is d·cos θ − d·√(sin² θmax − sin² θ), the difference of squares from their roots.
+    pub(super) fn sample_solid_angle(&self, from: DVec3, u: [f32; 2]) -> Option<(SurfacePoint, f64)> {
+        let (axis, distance, height_max) = self.cone_from(from)?;
+        let [u0, u1] = u.map(f64::from);
+        let height = u0 * height_max;
+        let sine = (height * (2.0 - height)).sqrt();
+        let spare = (height_max * (1.0 - u0) * (2.0 - height_max * (1.0 + u0))).sqrt();
+        let (sin, cos) = libm::sincos(TAU * u1);
+        let (x, y) = axis.any_orthonormal_pair();
+        let aside = sine * (cos * x + sin * y) - height * axis;
+        // The direction is axis + aside; the point as seen from the centre is that times `reach`, less the axis.
+        let reach = 1.0 - height - spare;
+        let outward = aside * reach - axis * (height + spare);
+        let point = self.point_towards((outward * distance).normalize());
+        Some((point, 1.0 / (TAU * height_max)))
     }
 }

@@ -23,6 +23,9 @@ pub const FILTER_MOMENT: f64 = 0.002;
 /// Largest difference of two renders that should have the same mean, relative to it.
 pub const RELATION: f64 = 0.02;
 
+/// Largest difference of two ways to estimate the same direct light, relative to it.
+pub const ESTIMATORS: f64 = 0.002;
+
 /// Largest difference between the mean of a scene's image and Mitsuba's, in percent of it.
 pub const IMAGE_PERCENT: f64 = 0.5;
 

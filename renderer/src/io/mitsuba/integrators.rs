@@ -3,6 +3,7 @@
 use super::Context;
 use super::object::Object;
 use crate::Error;
+use crate::lights::LightSampling;
 use crate::scene::{Branch, IntegratorSettings};
 
 const PLUGINS: [&str; 3] = ["direct", "distribution", "path"];
@@ -36,7 +37,8 @@ fn path(object: &Object) -> Result<IntegratorSettings, Error> {
     };
     let rr_depth = object.count("rr_depth", [1, u32::MAX], IntegratorSettings::PATH.rr_depth)?;
     let hide_emitters = object.boolean("hide_emitters", false)?;
-    Ok(IntegratorSettings { max_depth, rr_depth, hide_emitters, ..IntegratorSettings::PATH })
+    let light_sampling = light_sampling(object)?;
+    Ok(IntegratorSettings { max_depth, rr_depth, light_sampling, hide_emitters, ..IntegratorSettings::PATH })
 }
 
 fn direct(object: &Object) -> Result<IntegratorSettings, Error> {
@@ -44,5 +46,10 @@ fn direct(object: &Object) -> Result<IntegratorSettings, Error> {
         object.count(name, [1, 1], 1)?;
     }
     let hide_emitters = object.boolean("hide_emitters", false)?;
-    Ok(IntegratorSettings { hide_emitters, ..IntegratorSettings::DIRECT })
+    let light_sampling = light_sampling(object)?;
+    Ok(IntegratorSettings { light_sampling, hide_emitters, ..IntegratorSettings::DIRECT })
+}
+
+fn light_sampling(object: &Object) -> Result<LightSampling, Error> {
+    object.choice("light_sampling", &LightSampling::ALL, LightSampling::Auto)
 }

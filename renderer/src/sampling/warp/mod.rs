@@ -8,6 +8,8 @@ mod hemisphere;
 mod parallelogram;
 mod phong;
 mod sphere;
+mod spherical_rectangle;
+mod spherical_triangle;
 mod tent;
 mod triangle;
 
@@ -20,5 +22,7 @@ pub use hemisphere::{
 pub use parallelogram::{parallelogram_pdf_area, parallelogram_to_square, square_to_parallelogram};
 pub use phong::{phong_pdf, phong_to_square, square_to_phong};
 pub use sphere::{sphere_pdf, sphere_to_square, square_to_sphere};
+pub use spherical_rectangle::SphericalRectangle;
+pub use spherical_triangle::SphericalTriangle;
 pub use tent::{tent_pdf, tent_to_unit, unit_to_tent};
 pub use triangle::{square_to_triangle, square_to_triangle_folded, triangle_pdf_uv, triangle_to_square};

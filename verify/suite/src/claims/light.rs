@@ -1,11 +1,12 @@
-//! Points on lights: uniform by area, with the densities that follow from that, which add up to the solid angle.
+//! Points on lights: uniform by area, with the densities that follow from that, which add up to the solid angle; and
+//! uniform in the solid angle itself.
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use renderer::accel::{Accel, Object};
 use renderer::interaction::{Interaction, SurfacePoint};
-use renderer::lights::Light;
+use renderer::lights::{AreaLight, LightSampling};
 use renderer::math::Rgb;
 use renderer::shapes::{MeshData, Shape, ShapeSettings};
 use verify::claim::Claim;
@@ -14,6 +15,7 @@ use verify::irradiance::{disk_solid_angle, polygon_solid_angle, sphere_solid_ang
 use crate::setup::rectangle_at;
 
 mod density;
+mod solid_angle;
 mod uniform;
 
 /// The claims of the group.
@@ -23,6 +25,7 @@ pub(super) fn claims() -> Vec<Claim> {
         list.push(density::pdf(lamp.clone()));
         list.push(density::solid_angle(lamp));
     }
+    list.extend(solid_angle::claims());
     list
 }
 
@@ -174,7 +177,9 @@ impl Lamp {
 }
 
 /// The light that the only object is.
-const LIGHT: Light = Light::Area { object: 0, radiance: Rgb::WHITE };
+fn light(accel: &Accel, sampling: LightSampling) -> AreaLight {
+    AreaLight::new(0, &accel.objects()[0], Rgb::WHITE, sampling)
+}
 
 /// A place in the air from which a light is seen.
 fn eye(point: DVec3) -> Interaction {

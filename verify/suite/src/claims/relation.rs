@@ -4,17 +4,20 @@ use std::sync::{Arc, LazyLock};
 
 use glam::{DAffine3, DVec3};
 use renderer::film::FilmSettings;
+use renderer::lights::LightSampling;
 use renderer::materials::Material;
 use renderer::math::Rgb;
 use renderer::sampling::SamplerKind;
 use renderer::scene::{IntegratorSettings, LightSettings, Scene, SceneDescription, Strategy};
-use renderer::shapes::ShapeSettings;
+use renderer::shapes::{MeshData, ShapeSettings};
 use renderer::texture::Texture;
-use verify::claim::{Claim, claim};
+use verify::claim::{Claim, Level, claim};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 use crate::bounds;
-use crate::setup::{built, diffuse, fixed, image, lamp, mean, rectangle_at, remembering, spot, thing};
+use crate::setup::{
+    built, diffuse, fixed, image, lamp, mean, receiver, rectangle_at, remembering, spot, thing,
+};
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
@@ -24,12 +27,21 @@ pub(super) fn claims() -> Vec<Claim> {
             "light points, the material's directions, and both weighted give the same mean",
             || [Strategy::Light, Strategy::Material, Strategy::Both].map(with_strategy).into(),
         ),
+        same_within(
+            bounds::ESTIMATORS,
+            "relation/light-sampling/same-mean",
+            "points on lights by area, by solid angle and by both in turn, weighted or not, give the mean of the \
+             material's directions",
+            estimators,
+        )
+        .from_level(Level::Standard),
         same("relation/light/split", "a light cut in two gives what it gave whole", || {
             [room(), split_light()].map(Version::of).into()
         }),
         same("relation/light/additive", "two lights give the sum of what each gives", || {
             let parts = [[1.0, 0.0], [0.0, 1.0]].map(|factors| built(&two_lights(factors))).into();
-            vec![Version::of(two_lights([1.0, 1.0])), Version { parts, sampler: SamplerKind::Sobol }]
+            let both = Version::of(two_lights([1.0, 1.0]));
+            vec![Version { parts, ..Version::of(two_lights([1.0, 1.0])) }, both]
         }),
         same("relation/sampler/same-mean", "every sampler gives the same mean", || {
             SamplerKind::ALL.map(|sampler| Version { sampler, ..Version::of(room()) }).into()
@@ -61,19 +73,21 @@ pub(super) fn claims() -> Vec<Claim> {
 struct Version {
     parts: Vec<Scene>,
     sampler: SamplerKind,
+    /// Samples a pixel and replicate.
+    samples: u32,
 }
 
 impl Version {
     fn of(description: SceneDescription) -> Self {
-        Self { parts: vec![built(&description)], sampler: SamplerKind::Sobol }
+        Self { parts: vec![built(&description)], sampler: SamplerKind::Sobol, samples: SAMPLES }
     }
 
     fn mean(&self, seed: u64) -> f64 {
-        self.parts.iter().map(|scene| mean(&image(scene, self.sampler, SAMPLES, seed))).sum()
+        self.parts.iter().map(|scene| mean(&image(scene, self.sampler, self.samples, seed))).sum()
     }
 }
 
-/// Samples a pixel and replicate.
+/// Samples a pixel and replicate where a coarse bound is to be settled.
 const SAMPLES: u32 = 32;
 
 /// Versions of a render that should have the same mean, and the claims on their differences, made when first asked for.
@@ -83,11 +97,11 @@ struct Family {
 }
 
 impl Family {
-    fn new(versions: Vec<Version>) -> Self {
+    fn new(versions: Vec<Version>, bound: f64) -> Self {
         let unit = versions[0].mean(0);
         // sums of f32 products along paths of a few vertices
         let rounding = 16.0 * f64::from(f32::EPSILON);
-        let difference = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::RELATION) };
+        let difference = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bound) };
         let differences = vec![difference; versions.len() - 1];
         Self { differences, mean: Box::new(remembering(move |version, seed| versions[version].mean(seed))) }
     }
@@ -99,12 +113,17 @@ impl Family {
     }
 }
 
-/// The claim that all versions have the mean of the first.
+/// The claim that all versions have the mean of the first, to the group's bound.
 fn same(id: &'static str, says: &'static str, versions: fn() -> Vec<Version>) -> Claim {
-    let family = Arc::new(LazyLock::new(move || Family::new(versions())));
+    same_within(bounds::RELATION, id, says, versions)
+}
+
+/// The claim that all versions have the mean of the first.
+fn same_within(bound: f64, id: &'static str, says: &'static str, versions: fn() -> Vec<Version>) -> Claim {
+    let family = Arc::new(LazyLock::new(move || Family::new(versions(), bound)));
     let (control, brighter) = (family.clone(), family.clone());
     claim(id, says)
-        .bound(bounds::RELATION)
+        .bound(bound)
         .rejects("2.2 × resolution", move |run| {
             joint_control(&control.differences, run, |i, seed| control.difference(i, seed, 1.0))
         })
@@ -146,6 +165,32 @@ fn with_strategy(strategy: Strategy) -> Version {
     let mut description = room();
     description.integrator.strategy = strategy;
     Version::of(description)
+}
+
+/// A point close under a square, a triangle and a ball that emit, by every way to find their light.
+fn estimators() -> Vec<Version> {
+    let ways = [
+        (Strategy::Material, LightSampling::Area),
+        (Strategy::Light, LightSampling::SolidAngle),
+        (Strategy::Both, LightSampling::Area),
+        (Strategy::Both, LightSampling::Auto),
+    ];
+    let version = |(strategy, light_sampling)| {
+        let square = rectangle_at(DVec3::new(0.0, 0.2, 1.0), 0.6 * DVec3::Y, 0.6 * DVec3::X);
+        let corners = [[-1.5, -1.0, 0.5], [-0.7, 0.5, 0.6], [-1.6, 1.0, 0.5]];
+        let triangle =
+            MeshData { positions: corners.into(), triangles: vec![[0, 1, 2]], ..MeshData::default() };
+        let ball = ShapeSettings::Sphere { center: DVec3::new(1.3, 0.0, 0.7), radius: 0.6 };
+        let mut description = receiver(vec![
+            lamp(ShapeSettings::Rectangle, square),
+            lamp(ShapeSettings::Mesh(Arc::new(triangle)), DAffine3::IDENTITY),
+            lamp(ball, DAffine3::IDENTITY),
+        ]);
+        description.integrator =
+            IntegratorSettings { strategy, light_sampling, ..IntegratorSettings::DIRECT };
+        Version { samples: 2048, ..Version::of(description) }
+    };
+    ways.map(version).into()
 }
 
 fn roulette_from(rr_depth: u32) -> Version {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use renderer::accel::Accel;
+use renderer::lights::{AreaLight, LightSampling};
 use renderer::ray::Ray;
 use verify::claim::{Claim, Evidence, Run, claim};
 use verify::error::InputError;
@@ -9,7 +10,7 @@ use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 use super::super::jittered;
 use super::super::pointwise::{EPSILON, never, rejecting, same_density, single};
-use super::{LIGHT, Lamp, eye};
+use super::{Lamp, eye, light};
 use crate::bounds;
 
 /// A density as the renderer has it, and the cosine at the light: a control changes it.
@@ -50,22 +51,24 @@ fn misses(lamp: &Lamp, accel: &Accel, [u, v, place]: [f64; 3], spoil: Spoil) -> 
     // Normal, direction and their product round a few times; along a bent surface the hit is beside the point by
     // distance·2⁻²⁴/cos θ', and its normal is turned by as much times the curvature.
     let tolerance = 32.0 * EPSILON * (1.0 + distance * lamp.bend) / (cos * cos);
-    let Some(sample) = LIGHT.sample(accel, &from, u) else { return cos > 4.0 * EPSILON };
+    let Some(sample) = light(accel, LightSampling::Area).sample(accel, &from, u) else {
+        return cos > 4.0 * EPSILON;
+    };
     if cos <= 0.0 {
         return cos < -4.0 * EPSILON; // a point that faces away must not be taken
     }
-    let found = found(accel, origin, sample.wi.as_dvec3());
+    let found = found(&light(accel, LightSampling::Area), accel, origin, sample.wi.as_dvec3());
     let at_hit = found.is_some_and(|pdf| same_density(pdf, exact, tolerance));
     tolerance < 0.1 && !(same_density(sample.pdf, exact, tolerance) && at_hit)
 }
 
 /// The density of the point that a ray finds.
-fn found(accel: &Accel, origin: DVec3, direction: DVec3) -> Option<f32> {
+pub(super) fn found(light: &AreaLight, accel: &Accel, origin: DVec3, direction: DVec3) -> Option<f32> {
     let ray = Ray::new(origin.as_vec3(), direction.as_vec3(), 0.0);
     let mut hits = Vec::with_capacity(1);
     accel.closest(&[ray], &mut hits);
     let hit = (*hits.first()?)?;
-    Some(LIGHT.pdf(accel, &accel.interaction(&ray, &hit), hit.t))
+    Some(light.pdf(accel, &ray, &hit, accel.interaction(&ray, &hit).surface.ng))
 }
 
 /// The claim that one over the density, averaged, is the solid angle of what is seen.
@@ -102,9 +105,9 @@ fn mean_of(lamp: &Lamp, accel: &Accel, run: &Run, spoil: Spoil) -> Result<Eviden
 
 /// The mean of 1/pdf over a replicate's points; those that face away count as 0.
 fn mean_inverse(lamp: &Lamp, accel: &Accel, view: usize, seed: u64, spoil: Spoil) -> f64 {
-    let from = eye(lamp.views[view].0);
+    let (from, light) = (eye(lamp.views[view].0), light(accel, LightSampling::Area));
     jittered::mean(seed, lamp.side, |u, _| {
         let cos = |wi: glam::Vec3| f64::from(-wi.dot(accel.objects()[0].sample_area(u, 0.0).0.ng));
-        LIGHT.sample(accel, &from, u).map_or(0.0, |s| spoil(1.0 / f64::from(s.pdf), cos(s.wi)))
+        light.sample(accel, &from, u).map_or(0.0, |s| spoil(1.0 / f64::from(s.pdf), cos(s.wi)))
     })
 }
