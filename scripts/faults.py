@@ -1,0 +1,281 @@
+"""Plant deliberate faults one at a time, and see which claims catch them: the detection matrix.
+
+    python scripts/faults.py                                   # every fault of verify/suite/faults/*.toml
+    python scripts/faults.py --only disk-without-root --first  # one fault, up to the first claims that catch it
+    python scripts/faults.py --json matrix.json --svg matrix.svg --catalogue mine.toml
+
+Each fault is planted in a copy of the last commit, built, and held first against its subject's claims, then against all
+of them: at the quick level, and at the standard level where nothing caught it. Two at a time. A text that is not there
+exactly once is an error. Status: 0 every fault was caught; 1 one was not; 2 one could not be planted, built or run.
+"""
+
+import argparse
+import json
+import queue
+import subprocess
+import sys
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+ROOT = Path(__file__).resolve().parent.parent
+CATALOGUE = ROOT / "verify" / "suite" / "faults"
+CLASSES = ["sample, pdf and eval disagree", "wrong measure", "index overflow", "correlated decisions",
+           "half-cell offset", "cancellation", "convention mismatch", "comparator bug"]
+LEVELS = ["quick", "standard"]
+
+
+class Unplantable(Exception):
+    """A fault that could not be planted, built or run."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A wrong version of one file."""
+    id: str
+    kind: str
+    bug: str
+    file: str
+    find: str
+    replace: str
+    subject: tuple
+    # Largest relative change of a mean or a density in percent; None where it is not small or not a number.
+    percent: float | None = None
+
+
+def read_catalogue(paths):
+    """The faults of TOML files; raises on unknown or missing keys, unknown classes and repeated ids."""
+    faults = []
+    for path in paths:
+        for entry in tomllib.loads(path.read_text(encoding="utf-8"))["fault"]:
+            faults.append(fault_of(path, dict(entry)))
+    ids = [fault.id for fault in faults]
+    for name in ids:
+        if ids.count(name) > 1:
+            raise Unplantable(f"fault '{name}' is there {ids.count(name)} times")
+    return faults
+
+
+def fault_of(path, entry):
+    """One entry of a catalogue."""
+    name = entry.get("id", "without an id")
+    try:
+        kind = entry.pop("class")
+        # A text that begins on a line of its own does so for the reader.
+        texts = {key: entry.pop(key).removeprefix("\n") for key in ("find", "replace")}
+        fault = Fault(kind=kind, subject=tuple(entry.pop("subject")), **texts, **entry)
+    except (KeyError, TypeError) as error:
+        raise Unplantable(f"{path.name}: fault '{name}': {error}") from error
+    if fault.kind not in CLASSES:
+        raise Unplantable(f"{path.name}: fault '{name}': class '{fault.kind}' is not one of {', '.join(CLASSES)}")
+    return fault
+
+
+def plant(root, fault):
+    """Writes the fault into the copy at `root`; returns the file's own text."""
+    path = root / fault.file
+    if not path.is_file():
+        raise Unplantable(f"fault '{fault.id}': {fault.file} is not there")
+    text = path.read_text(encoding="utf-8")
+    count = text.count(fault.find)
+    if count != 1:
+        raise Unplantable(f"fault '{fault.id}': its text is there {count} times in {fault.file}, not once")
+    path.write_text(text.replace(fault.find, fault.replace), encoding="utf-8")
+    return text
+
+
+@dataclass(frozen=True)
+class Workshop:
+    """A copy of the sources and a folder for what is built from them."""
+    copy: Path
+    target: Path
+
+    def build(self):
+        """The program made from the copy as it is."""
+        command = ["cargo", "build", "--quiet", "--profile", "planted", "--package", "lightproof",
+                   "--target-dir", str(self.target)]
+        done = subprocess.run(command, cwd=self.copy, capture_output=True, text=True)
+        if done.returncode:
+            raise Unplantable("the build failed:\n" + "\n".join(done.stderr.splitlines()[-30:]))
+        return self.target / "planted" / "lightproof"
+
+    def verify(self, program, level, patterns):
+        """The claims that do not hold, as a list of {"claim", "level", "n", "seconds"}."""
+        report = self.target / "report"
+        only = [word for pattern in patterns for word in ("--only", pattern)]
+        command = [str(program), "verify", "--level", level, "--threads", "1", "--report", str(report), *only]
+        done = subprocess.run(command, cwd=self.copy, capture_output=True, text=True)
+        if done.returncode not in (0, 1) and "could not run" not in done.stderr:
+            raise Unplantable(f"{' '.join(command)}\n{done.stderr}")
+        return detections(json.loads((report / "report.json").read_text(encoding="utf-8")), level)
+
+
+def detections(report, level):
+    """What a report finds wrong. A claim that could not run has noticed something too."""
+    found = [{"claim": claim["id"], "level": level, "n": claim["n"], "seconds": claim["seconds"]}
+             for claim in report["claims"] if claim["verdict"] != "holds"]
+    return found + [{"claim": error["id"], "level": level, "n": 0, "seconds": 0.0} for error in report["errors"]]
+
+
+def examine(fault, workshop, first):
+    """Plants a fault, and returns its row of the matrix."""
+    text = plant(workshop.copy, fault)
+    try:
+        program = workshop.build()
+        found = []
+        for level in LEVELS:
+            found = workshop.verify(program, level, subject_at(workshop, program, level, fault))
+            if found and first:
+                break
+            seen = {one["claim"] for one in found}
+            found += [one for one in workshop.verify(program, level, []) if one["claim"] not in seen]
+            if found:
+                break
+    except Unplantable as error:
+        raise Unplantable(f"fault '{fault.id}': {error}") from error
+    finally:
+        (workshop.copy / fault.file).write_text(text, encoding="utf-8")
+    return row(fault, found)
+
+
+def subject_at(workshop, program, level, fault):
+    """The patterns of a fault's subject that name claims of the level."""
+    patterns = []
+    for pattern in fault.subject:
+        command = [str(program), "verify", "--list", "--level", level, "--only", pattern]
+        done = subprocess.run(command, cwd=workshop.copy, capture_output=True, text=True)
+        if done.returncode == 0:
+            patterns.append(pattern)
+        elif "run from --level" not in done.stderr:
+            raise Unplantable(done.stderr.strip())
+    return patterns
+
+
+def row(fault, found):
+    """The JSON of one fault; samples and seconds are those of the fastest claim that caught it."""
+    fastest = min(found, key=lambda one: one["seconds"], default={"n": None, "seconds": None})
+    return {"id": fault.id, "class": fault.kind, "bug": fault.bug, "percent": fault.percent,
+            "caught_by": [one["claim"] for one in found], "n": fastest["n"], "seconds": fastest["seconds"],
+            "detections": found}
+
+
+def commit(root):
+    """The commit that is examined."""
+    return subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, check=True, capture_output=True,
+                          text=True).stdout.strip()
+
+
+def copy_of(root, folder):
+    """A copy of the last commit."""
+    folder.mkdir(parents=True, exist_ok=True)
+    archive = subprocess.run(["git", "archive", "HEAD"], cwd=root, check=True, capture_output=True).stdout
+    subprocess.run(["tar", "-x", "-C", str(folder)], input=archive, check=True)
+    return folder
+
+
+def workshops(scratch, count):
+    """So many copies, each with a program built from it as it is."""
+    benches = queue.Queue()
+    for k in range(count):
+        workshop = Workshop(copy_of(ROOT, scratch / f"copy-{k}"), scratch / f"target-{k}")
+        workshop.build()
+        benches.put(workshop)
+    return benches
+
+
+def examine_all(faults, scratch, options):
+    """The matrix: every fault's row, in the order of the catalogue."""
+    benches = workshops(scratch, min(options.jobs, len(faults)))
+
+    def one(fault):
+        workshop = benches.get()
+        try:
+            result = examine(fault, workshop, options.first)
+        finally:
+            benches.put(workshop)
+        caught = result["caught_by"]
+        word = f"{len(caught)} claims" if len(caught) > 1 else (caught or ["NOT CAUGHT"])[0]
+        print(f"{fault.id:28} {word}", file=sys.stderr, flush=True)
+        return result
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        return {"commit": commit(ROOT), "faults": list(pool.map(one, faults))}
+
+
+def svg(matrix):
+    """The detection matrix as a picture: a row a fault, a column a claim, darker where it was caught sooner."""
+    rows = sorted(matrix["faults"], key=lambda fault: CLASSES.index(fault["class"]))
+    claims = sorted({claim for fault in rows for claim in fault["caught_by"]})
+    left, top, cell = 330, 170, 9
+    width, height = left + cell * len(claims) + 20, top + cell * len(rows) + 40
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" '
+             f'font-size="8"><rect width="100%" height="100%" fill="white"/>',
+             f'<text x="8" y="16" font-size="12">{len(rows)} faults against {len(claims)} claims; commit '
+             f'{escape(matrix["commit"][:12])}; dark: caught within 0.1 s, pale: more</text>']
+    for x, claim in enumerate(claims):
+        at = left + cell * x + 7
+        parts.append(f'<text transform="translate({at},{top - 4}) rotate(-60)">{escape(claim)}</text>')
+    for y, fault in enumerate(rows):
+        at = top + cell * y
+        name = escape(f'{fault["id"]}  ({fault["class"]})')
+        parts.append(f'<text x="{left - 6}" y="{at + 7}" text-anchor="end">{name}</text>')
+        for one in fault["detections"]:
+            x = left + cell * claims.index(one["claim"])
+            fill = "#1b4f8a" if one["seconds"] < 0.1 else "#6f9fd0" if one["level"] == "quick" else "#e0a050"
+            title = escape(f'{fault["id"]}: {one["claim"]}, n = {one["n"]}, {one["seconds"]:.2f} s, {one["level"]}')
+            parts.append(f'<rect x="{x}" y="{at}" width="{cell - 1}" height="{cell - 1}" fill="{fill}">'
+                         f"<title>{title}</title></rect>")
+    return "\n".join([*parts, "</svg>\n"])
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", action="append", metavar="ID", help="this fault; may be repeated")
+    parser.add_argument("--first", action="store_true", help="stop at the subject's claims where they catch a fault")
+    parser.add_argument("--catalogue", type=Path, metavar="FILE.toml", help="faults from elsewhere")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the matrix")
+    parser.add_argument("--svg", type=Path, metavar="FILE", help="draw the matrix")
+    parser.add_argument("--scratch", type=Path, default=ROOT / "target" / "faults", metavar="DIR",
+                        help="for the copies and what is built (default: target/faults)")
+    parser.add_argument("--jobs", type=int, default=2, help="faults at a time (default: 2)")
+    return parser.parse_args()
+
+
+def chosen(faults, only):
+    """The faults asked for; raises on an id that isn't there."""
+    missing = set(only or []) - {fault.id for fault in faults}
+    if missing:
+        raise Unplantable(f"no fault is called {', '.join(sorted(missing))}")
+    return [fault for fault in faults if not only or fault.id in only]
+
+
+def main():
+    options = arguments()
+    paths = [options.catalogue] if options.catalogue else sorted(CATALOGUE.glob("*.toml"))
+    try:
+        faults = chosen(read_catalogue(paths), options.only)
+        for fault in faults:
+            if fault.find not in (ROOT / fault.file).read_text(encoding="utf-8"):
+                raise Unplantable(f"fault '{fault.id}': its text is not in {fault.file}")
+        matrix = examine_all(faults, options.scratch, options)
+    except (Unplantable, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    if options.json:
+        options.json.write_text(json.dumps(matrix, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    if options.svg:
+        options.svg.write_text(svg(matrix), encoding="utf-8")
+    missed = [fault["id"] for fault in matrix["faults"] if not fault["caught_by"]]
+    alone = [f'{fault["id"]} by {fault["caught_by"][0]}' for fault in matrix["faults"] if len(fault["caught_by"]) == 1]
+    print(f'{len(matrix["faults"])} faults, {len(matrix["faults"]) - len(missed)} caught')
+    if alone and not options.first:
+        print("caught by a single claim: " + "; ".join(alone))
+    if missed:
+        print("not caught: " + ", ".join(missed))
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
