@@ -21,6 +21,7 @@ pub mod linear_complexity;
 pub mod mean;
 pub mod motion;
 pub mod nets;
+pub mod picture;
 pub mod points;
 pub mod power;
 pub mod quadrature;

@@ -2,8 +2,11 @@
 //! test that does not hold.
 
 use std::fmt::{Display, Formatter};
+use std::fs::{create_dir_all, write};
+use std::path::Path;
 
 use super::{Evidence, Level, Picture, Verdict};
+use crate::picture::{self, Residual};
 
 /// How a wrong version fared.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,9 +52,22 @@ impl Outcome {
     ///
     /// # Panics
     /// Otherwise; the message has statistic, degrees of freedom, p, level, n, seed, the three worst cells,
-    /// and the command that repeats it.
+    /// and the command that repeats it. A test that counts in cells leaves a picture in `target/lightproof`.
     pub fn assert_holds(&self) {
-        assert!(self.verdict == Verdict::Holds, "{self}");
+        assert!(self.verdict == Verdict::Holds, "{self}{}", self.leave_picture());
+    }
+
+    /// Draws the cells into a file; returns words on where it is.
+    fn leave_picture(&self) -> String {
+        let title = format!("{} {}: {}", self.id, self.verdict, self.says);
+        let Some(text) = picture::svg(&title, &self.command(), &self.evidence) else { return String::new() };
+        let name = self.id.replace(|c: char| !c.is_alphanumeric(), "-");
+        let path = Path::new("target/lightproof").join(name).with_extension("svg");
+        let written = path.parent().map_or(Ok(()), create_dir_all).and_then(|()| write(&path, text));
+        match written {
+            Ok(()) => format!("\n  picture: {}", path.display()),
+            Err(error) => format!("\n  no picture: {}: {error}", path.display()),
+        }
     }
 
     /// The command that repeats a test: the test's own name where the thread has one, as under `cargo test`;
@@ -105,17 +121,11 @@ impl Display for Outcome {
 
 /// Writes the three cells of largest standardised residual.
 fn worst_cells(f: &mut Formatter<'_>, picture: &Picture) -> std::fmt::Result {
-    let Picture::Cells { shape, axes, observed, expected } = picture else { return Ok(()) };
-    let residual = |(&o, &e): (&f64, &f64)| if o == e { 0.0 } else { (o - e) / e.sqrt() };
-    let mut cells: Vec<(usize, f64)> = observed.iter().zip(expected).map(residual).enumerate().collect();
-    cells.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-    for (cell, residual) in cells.into_iter().take(3) {
-        let (column, row) = (cell % shape[0], cell / shape[0]);
-        let (o, e) = (observed[cell], expected[cell]);
-        let [x, y] = axes;
+    let Picture::Cells { shape, axes: [x, y], .. } = picture else { return Ok(()) };
+    for Residual { cell: [column, row], observed, expected, deviations } in picture::worst_cells(picture, 3) {
         writeln!(
             f,
-            "  cell {x} {column}/{}, {y} {row}/{}: observed {o}, expected {e:.1}, residual {residual:+.2}",
+            "  cell {x} {column}/{}, {y} {row}/{}: observed {observed}, expected {expected:.1}, residual {deviations:+.2}",
             shape[0], shape[1]
         )?;
     }

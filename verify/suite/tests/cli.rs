@@ -44,7 +44,7 @@ fn assert_refused(output: &Output, parts: &[&str]) {
 
 #[test]
 fn every_command_has_help_with_examples() {
-    for command in [&[][..], &["verify"], &["compare"], &["page"]] {
+    for command in [&[][..], &["verify"], &["compare"], &["samples"], &["page"]] {
         let (output, _) = lightproof("help", &[command, &["--help"]].concat());
         assert!(output.status.success());
         assert!(text(&output.stdout).contains("Example"), "{command:?}");

@@ -60,6 +60,14 @@ pub enum CliError {
         /// The contradiction, and what is accepted.
         message: String,
     },
+    /// A file of points or densities that cannot be used.
+    #[error("{}: {message}", path.display())]
+    Points {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, at which row, and what is accepted.
+        message: String,
+    },
     /// A setting that the renderer refuses.
     #[error(transparent)]
     Setting(#[from] renderer::ParamError),

@@ -10,6 +10,7 @@ mod error;
 mod output;
 mod page;
 mod render;
+mod samples;
 mod table;
 mod verify;
 
@@ -31,6 +32,7 @@ Examples:
   lightproof verify --only 'warp/*'           run the claims about warps
   lightproof render scene.xml -o scene.exr     render a scene in Mitsuba's XML format
   lightproof compare ours.exr theirs.exr      are these the same image?
+  lightproof samples lens.npy --domain disk     do these points follow their density?
   lightproof page report.json -o page.html    make the page again from its data
 
 Status: 0 everything holds; 1 something fails or is undecided; 2 it could not run.";
@@ -50,6 +52,7 @@ enum Command {
     Verify(verify::Args),
     Render(render::Args),
     Compare(compare::Args),
+    Samples(samples::Args),
     Page(page::Args),
 }
 
@@ -60,6 +63,7 @@ pub fn main() -> ExitCode {
         Command::Verify(args) => verify::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Samples(args) => samples::run(&args),
         Command::Page(args) => page::run(&args),
     };
     match result {
