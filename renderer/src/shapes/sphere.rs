@@ -106,14 +106,17 @@ impl Sphere {
         self.point_towards(DVec3::new(r * cos, r * sin, z))
     }
 
-    /// What is seen of it from outside, from `from`: the unit vector to the centre, the distance to it, and
-    /// 1 − cos of the cone that it fills.
+    /// What is seen of its outer side from `from`: the unit vector to the centre, the distance to it, and 1 − cos of
+    /// the cone that it fills.
+    ///
+    /// Returns: `None` from inside, and if the normals point inward: only the inside is of interest then, and a point on
+    /// the sphere, which rounding may put outside, must see all of it.
     fn cone_from(&self, from: DVec3) -> Option<(DVec3, f64, f64)> {
         let to = self.center - from;
         let distance = to.length();
         let sine = self.radius / distance;
         let height = sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt());
-        (sine < 1.0 && TAU * height > SMALLEST_SOLID_ANGLE).then(|| (to / distance, distance, height))
+        (self.sign > 0.0 && sine < 1.0 && TAU * height > SMALLEST_SOLID_ANGLE).then(|| (to / distance, distance, height))
     }
 
     /// The density of [`Self::sample_solid_angle`]; `None` from inside.
