@@ -1,5 +1,7 @@
 //! Scenes and inputs that the benchmarks share.
 
+pub mod knot;
+
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -75,16 +75,20 @@ fn globe(n: u32, mut radius: impl FnMut(u32) -> f64) -> MeshData {
     mesh
 }
 
-fn every_element(objects: &[Object], ray: &Ray) -> Option<f32> {
+/// Distance, object and element of the first hit in that order.
+fn every_element(objects: &[Object], ray: &Ray) -> Option<(f32, u32, u32)> {
     let mut query = *ray;
-    for object in objects {
+    let mut first = None;
+    for (index, object) in (0..).zip(objects) {
         for element in 0..object.shape.element_count() {
+            // later ones at the same distance don't count
             if let Some(hit) = object.shape.intersect(element, &object.to_object(&query)) {
                 query.t_max = hit.t;
+                first = Some((hit.t, index, element));
             }
         }
     }
-    (query.t_max < ray.t_max).then_some(query.t_max)
+    first
 }
 
 fn rays(rng: &mut Pcg64, count: u32) -> Vec<Ray> {
@@ -113,7 +117,12 @@ proptest! {
         accel.occluded(&rays, &mut blocked);
         prop_assert_eq!((hits.len(), blocked.len()), (rays.len(), rays.len()));
         for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
-            prop_assert_eq!(hit.map(|h| h.t), every_element(accel.objects(), ray));
+            let alone = std::slice::from_ref(ray);
+            let (mut hit_alone, mut blocked_alone) = (Vec::new(), Vec::new());
+            accel.closest(alone, &mut hit_alone);
+            accel.occluded(alone, &mut blocked_alone);
+            prop_assert_eq!((&hit_alone[0], blocked_alone[0]), (hit, blocked));
+            prop_assert_eq!(hit.map(|h| (h.t, h.object, h.element)), every_element(accel.objects(), ray));
             prop_assert_eq!(hit.is_some(), blocked);
         }
     }

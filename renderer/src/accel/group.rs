@@ -1,39 +1,78 @@
-//! Elements of objects in the order of a tree's leaves, and the queries over them.
+//! Elements of objects under a tree, and the queries over them.
+
+use std::time::Duration;
 
 use glam::Vec3;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::builder::build_bvh2;
+use rayon::prelude::*;
 
+use super::block::Block;
+use super::collapse::{WideTree, collapse};
+use super::node::{Bounds32, Child, Node};
 use super::object::Object;
-use super::tree::Tree;
+use super::walk::{Entry, Mode, Walker};
 use crate::math::bounds::Bounds;
 use crate::ray::{Hit, Ray};
-use crate::shapes::triangle::ShearedRay;
 use crate::shapes::{Shape, ShapeHit};
+
+/// Rays walked in turns; measured in benches/README.md.
+const LANES: usize = 12;
+
+/// The nearest hit, alone and in turns; any hit, alone and in turns.
+struct Closest;
+struct ClosestAhead;
+struct Any;
+struct AnyAhead;
+
+impl Mode for Closest {
+    const ANY: bool = false;
+    const PREFETCH: bool = false;
+}
+
+impl Mode for ClosestAhead {
+    const ANY: bool = false;
+    const PREFETCH: bool = true;
+}
+
+impl Mode for Any {
+    const ANY: bool = true;
+    const PREFETCH: bool = false;
+}
+
+impl Mode for AnyAhead {
+    const ANY: bool = true;
+    const PREFETCH: bool = true;
+}
 
 /// What a leaf of a tree holds.
 #[derive(Debug, Clone, Copy)]
-enum Item {
-    /// A triangle at rest in the tree's space.
-    Triangle([Vec3; 3]),
-    /// The only element of an object whose shape isn't a mesh.
-    Whole,
-    /// An object in motion: the ray goes over into its space.
-    Moving,
+struct Item {
+    bounds: Bounds,
+    /// Corners of a triangle at rest in the tree's space.
+    triangle: Option<[Vec3; 3]>,
+    /// Object and element.
+    id: [u32; 2],
 }
 
-/// Items with their tree, in one space.
+/// Items under their tree, in one space.
 #[derive(Debug)]
 pub(super) struct Group {
-    tree: Tree,
-    items: Vec<Item>,
-    /// Object and element of each item; read for hits and for what isn't a triangle.
+    pub(super) root: Child,
+    pub(super) nodes: Vec<Node>,
+    pub(super) blocks: Vec<Block>,
+    /// Object and element of each item in the order of the blocks.
     ids: Vec<[u32; 2]>,
+    /// What a walk's stack may hold.
+    stack: usize,
 }
 
 /// What the queries need besides the group: the objects, the groups of the moving ones, and memory to use.
 pub(super) struct Context<'a> {
     pub(super) objects: &'a [Object],
     pub(super) inner: &'a [Option<Group>],
-    pub(super) stack: Vec<(u32, f32)>,
+    pub(super) stack: Vec<Entry>,
 }
 
 impl Group {
@@ -42,7 +81,7 @@ impl Group {
         let mut list = Vec::new();
         for (index, object) in (0u32..).zip(objects) {
             match object.motion {
-                Some(_) => list.push((object.bounds(shutter), Item::Moving, [index, 0])),
+                Some(_) => list.push(Item { bounds: object.bounds(shutter), triangle: None, id: [index, 0] }),
                 None => list.extend(elements(index, &object.shape)),
             }
         }
@@ -54,81 +93,133 @@ impl Group {
         Self::new(&elements(index, shape).collect::<Vec<_>>())
     }
 
-    fn new(list: &[(Bounds, Item, [u32; 2])]) -> Self {
-        let boxes: Vec<Bounds> = list.iter().map(|(b, ..)| *b).collect();
-        let (tree, order) = Tree::new(&boxes);
-        let items = order.iter().map(|&i| list[i as usize].1).collect();
-        let ids = order.iter().map(|&i| list[i as usize].2).collect();
-        Self { tree, items, ids }
+    fn new(list: &[Item]) -> Self {
+        let boxes: Vec<Aabb> = list
+            .iter()
+            .map(|item| Bounds32::padded(&item.bounds))
+            .map(|b| Aabb::new(b.min.into(), b.max.into()))
+            .collect();
+        let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+        let binary = build_bvh2(&boxes, params, &mut Duration::default());
+        let WideTree { root, nodes, leaf_ends, order, depth } = collapse(&binary);
+        let block = |leaf: usize| {
+            let first = if leaf == 0 { 0 } else { leaf_ends[leaf - 1] };
+            let mut lanes = [None; 8];
+            let items = &order[first as usize..leaf_ends[leaf] as usize];
+            for (lane, &item) in lanes.iter_mut().zip(items) {
+                *lane = list[item as usize].triangle;
+            }
+            Block::new(&lanes[..items.len()], first)
+        };
+        let blocks = (0..leaf_ends.len()).into_par_iter().map(block).collect();
+        let ids = order.par_iter().map(|&i| list[i as usize].id).collect();
+        Self { root, nodes, blocks, ids, stack: 7 * depth + 1 }
     }
 
-    /// The nearest hit.
-    pub(super) fn closest(&self, ray: &Ray, context: &mut Context) -> Option<Hit> {
+    /// Fetches a node or leaf into the cache.
+    #[inline]
+    pub(super) fn prefetch(&self, child: Child) {
+        match child.leaf() {
+            None => self.nodes[child.node()].prefetch(),
+            Some(leaf) => self.blocks[leaf].prefetch(),
+        }
+    }
+
+    /// The nearest hit of one ray, looked for by an object in another group.
+    fn closest_of(&self, ray: &Ray, context: &mut Context) -> Option<Hit> {
         let mut best = None;
-        self.search(ray, context, |hit| {
-            best = Some(hit);
-            Some(hit.t)
-        });
+        self.walk_each::<Closest>(std::slice::from_ref(ray), context, |walker| best = walker.hit(self));
         best
     }
 
-    /// Whether anything is hit.
-    pub(super) fn occluded(&self, ray: &Ray, context: &mut Context) -> bool {
-        let mut any = false;
-        self.search(ray, context, |_| {
-            any = true;
-            None
-        });
-        any
-    }
-
-    /// Calls `found` with each hit nearer than the ones before; it returns how far to search on, or `None` to stop.
+    /// Walks rays one after the other and calls `done` with the index and hit of each.
     #[inline]
-    fn search(&self, ray: &Ray, context: &mut Context, mut found: impl FnMut(Hit) -> Option<f32>) {
-        let sheared = ShearedRay::new(ray);
-        let mut ray = *ray;
+    fn walk_each<M: Mode>(&self, rays: &[Ray], context: &mut Context, mut done: impl FnMut(&Walker)) {
         let mut stack = std::mem::take(&mut context.stack);
-        self.tree.walk(&ray.clone(), &mut stack, |range| {
-            for index in range {
-                let hit = match &self.items[index] {
-                    Item::Triangle(vertices) => sheared.hit(vertices, ray.t_max).map(|h| self.hit(index, h)),
-                    Item::Whole => self.whole(index, &ray, context),
-                    Item::Moving => self.moving(index, &ray, context),
-                };
-                if let Some(hit) = hit {
-                    ray.t_max = found(hit)?;
-                }
-            }
-            Some(ray.t_max)
-        });
+        stack.resize(self.stack, Entry::default());
+        for (index, ray) in rays.iter().enumerate() {
+            let mut walker = Walker::new(self, ray, index, 0);
+            walker.walk::<M>(self, &mut stack, context);
+            done(&walker);
+        }
         context.stack = stack;
     }
 
-    fn hit(&self, index: usize, hit: ShapeHit) -> Hit {
+    /// Walks `LANES` rays in turns, so that one computes while others wait for memory; calls `done` as `walk_each` does.
+    #[inline]
+    fn walk_in_turns<M: Mode>(&self, rays: &[Ray], context: &mut Context, mut done: impl FnMut(&Walker)) {
+        let mut stack = std::mem::take(&mut context.stack);
+        stack.resize(LANES * self.stack, Entry::default());
+        let mut waiting = rays.iter().enumerate();
+        let start = |(lane, (index, ray))| Walker::new(self, ray, index, lane * self.stack);
+        let mut walkers: Vec<Walker> = (0..LANES).zip(waiting.by_ref()).map(start).collect();
+        while !walkers.is_empty() {
+            let mut lane = 0;
+            while let Some(walker) = walkers.get_mut(lane) {
+                if walker.is_walking() {
+                    walker.step::<M>(self, &mut stack, context);
+                    lane += 1;
+                    continue;
+                }
+                done(walker);
+                match waiting.next() {
+                    Some((index, ray)) => walker.restart(self, ray, index),
+                    None => drop(walkers.swap_remove(lane)),
+                }
+            }
+        }
+        context.stack = stack;
+    }
+
+    /// The nearest hit of each ray.
+    pub(super) fn closest(&self, rays: &[Ray], context: &mut Context, hits: &mut [Option<Hit>]) {
+        if are_coherent(rays) {
+            self.walk_each::<Closest>(rays, context, |w| hits[w.index] = w.hit(self));
+        } else {
+            self.walk_in_turns::<ClosestAhead>(rays, context, |w| hits[w.index] = w.hit(self));
+        }
+    }
+
+    /// Whether anything is hit.
+    pub(super) fn occluded(&self, rays: &[Ray], context: &mut Context, blocked: &mut [bool]) {
+        if are_coherent(rays) {
+            self.walk_each::<Any>(rays, context, |w| blocked[w.index] = w.has_hit());
+        } else {
+            self.walk_in_turns::<AnyAhead>(rays, context, |w| blocked[w.index] = w.has_hit());
+        }
+    }
+
+    pub(super) fn hit(&self, index: usize, hit: ShapeHit) -> Hit {
         let [object, element] = self.ids[index];
         Hit { t: hit.t, object, element, uv: hit.uv }
     }
 
-    fn whole(&self, index: usize, ray: &Ray, context: &Context) -> Option<Hit> {
-        let [object, element] = self.ids[index];
-        let hit = context.objects[object as usize].shape.intersect(element, ray)?;
-        Some(self.hit(index, hit))
-    }
-
-    fn moving(&self, index: usize, ray: &Ray, context: &mut Context) -> Option<Hit> {
-        let object = self.ids[index][0] as usize;
-        let inner = context.inner[object].as_ref()?;
-        inner.closest(&context.objects[object].to_object(ray), context)
+    /// The hit of an item that isn't a triangle at rest.
+    pub(super) fn other(&self, index: usize, ray: &Ray, context: &mut Context) -> Option<Hit> {
+        let [id, element] = self.ids[index];
+        let object = &context.objects[id as usize];
+        match &context.inner[id as usize] {
+            Some(inner) if !std::ptr::eq(self, inner) => inner.closest_of(&object.to_object(ray), context),
+            _ => object.shape.intersect(element, ray).map(|hit| self.hit(index, hit)),
+        }
     }
 }
 
 /// The elements of a shape with their boxes.
-fn elements(object: u32, shape: &Shape) -> impl Iterator<Item = (Bounds, Item, [u32; 2])> + '_ {
+fn elements(object: u32, shape: &Shape) -> impl Iterator<Item = Item> + '_ {
     (0..shape.element_count()).map(move |element| {
-        let item = match shape {
-            Shape::Mesh(mesh) => Item::Triangle(mesh.vertices(element)),
-            _ => Item::Whole,
+        let triangle = match shape {
+            Shape::Mesh(mesh) => Some(mesh.vertices(element)),
+            _ => None,
         };
-        (shape.element_bounds(element), item, [object, element])
+        Item { bounds: shape.element_bounds(element), triangle, id: [object, element] }
     })
+}
+
+/// Whether neighbours in the list point mostly the same way, within 25°, so that they find in the cache what the ray
+/// before has left there.
+fn are_coherent(rays: &[Ray]) -> bool {
+    let pairs = rays.windows(2).step_by(8);
+    let along = pairs.clone().filter(|p| p[0].direction.dot(p[1].direction) > 0.9).count();
+    2 * along >= pairs.len()
 }

@@ -1,8 +1,11 @@
 //! Rank 5: where rays meet the objects of a scene, for slices of rays.
 
+mod block;
+mod collapse;
 mod group;
+mod node;
 mod object;
-mod tree;
+mod walk;
 
 pub use object::Object;
 
@@ -44,20 +47,20 @@ impl Accel {
 
     /// The nearest hit of each ray, written over `hits`.
     pub fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        let mut context = self.context();
         hits.clear();
-        hits.extend(rays.iter().map(|r| self.scene.closest(r, &mut context)));
+        hits.resize(rays.len(), None);
+        self.scene.closest(rays, &mut self.context(), hits);
     }
 
     /// Whether anything lies on each ray's segment, written over `out`.
     pub fn occluded(&self, rays: &[Ray], out: &mut Vec<bool>) {
-        let mut context = self.context();
         out.clear();
-        out.extend(rays.iter().map(|r| self.scene.occluded(r, &mut context)));
+        out.resize(rays.len(), false);
+        self.scene.occluded(rays, &mut self.context(), out);
     }
 
     fn context(&self) -> Context<'_> {
-        Context { objects: &self.objects, inner: &self.inner, stack: Vec::with_capacity(64) }
+        Context { objects: &self.objects, inner: &self.inner, stack: Vec::new() }
     }
 
     /// The surface at a hit that `closest` found for `ray`.

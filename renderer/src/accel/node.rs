@@ -1,0 +1,179 @@
+//! Nodes of eight boxes, and rays prepared for them.
+
+use glam::Vec3;
+use wide::f32x8;
+
+use crate::math::bounds::Bounds;
+use crate::ray::Ray;
+
+/// Children of a node.
+pub(super) const WIDTH: usize = 8;
+
+/// What a node's child is: the index of a node, or of a leaf where the top bit is set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Child(u32);
+
+const LEAF: u32 = 1 << 31;
+
+impl Default for Child {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Child {
+    /// Neither node nor leaf.
+    pub(super) const NONE: Self = Self(u32::MAX);
+
+    /// The node or leaf of index `index` below 2³¹ − 1.
+    pub(super) fn new(index: usize, is_leaf: bool) -> Self {
+        let index = u32::try_from(index).ok().filter(|&i| i < LEAF - 1);
+        let index =
+            index.expect("elements are counted in u32, and there are at most half as many leaves and nodes");
+        Self(if is_leaf { index | LEAF } else { index })
+    }
+
+    /// The same in an array that lies after `nodes` other nodes and `leaves` other leaves.
+    pub(super) fn shifted(self, nodes: usize, leaves: usize) -> Self {
+        match self.leaf() {
+            _ if self == Self::NONE => self,
+            Some(index) => Self::new(index + leaves, true),
+            None => Self::new(self.node() + nodes, false),
+        }
+    }
+
+    /// The index of the leaf, if it is one.
+    #[inline]
+    pub(super) fn leaf(self) -> Option<usize> {
+        (self.0 & LEAF != 0).then_some((self.0 & !LEAF) as usize)
+    }
+
+    /// The index of the node, if it is one.
+    #[inline]
+    pub(super) fn node(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// Up to eight boxes with what is in them.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// Lower and upper sides by axis; a slot without a child has them the wrong way round, at infinity.
+    sides: [[f32x8; 2]; 3],
+    children: [Child; WIDTH],
+}
+
+/// Four roundings within 2⁻²⁴ on each side of a comparison (a difference, the inverse, its slack, a product):
+/// 1 + 2·4·2⁻²⁴, rounded up.
+///
+/// # Source
+/// Ize 2013, Robust BVH Ray Traversal, JCGT 2(2).
+pub(super) const SLACK: f32 = 1.0 + 5.0 * f32::EPSILON;
+
+impl Node {
+    /// The node over `children` with their boxes, at most eight of them.
+    pub(super) fn new(children: &[(Bounds32, Child)]) -> Self {
+        let mut sides = [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3];
+        let mut list = [Child::NONE; WIDTH];
+        for (slot, (bounds, child)) in children.iter().enumerate() {
+            for (axis, [low, high]) in sides.iter_mut().enumerate() {
+                low[slot] = bounds.min[axis];
+                high[slot] = bounds.max[axis];
+            }
+            list[slot] = *child;
+        }
+        Self { sides: sides.map(|axis| axis.map(f32x8::new)), children: list }
+    }
+
+    /// The node with its children replaced.
+    pub(super) fn with_children(self, f: impl Fn(Child) -> Child) -> Self {
+        Self { children: self.children.map(f), ..self }
+    }
+
+    /// Fetches the node into the cache.
+    #[inline]
+    pub(super) fn prefetch(&self) {
+        for line in &self.sides {
+            prefetch(line);
+        }
+        prefetch(&self.children);
+    }
+
+    /// The child in a slot.
+    #[inline]
+    pub(super) fn child(&self, slot: u32) -> Child {
+        self.children[slot as usize % WIDTH]
+    }
+
+    /// Which boxes the ray meets before `limit` (bits), and how far away it enters each.
+    #[inline]
+    pub(super) fn enter(&self, slab: &Slab, limit: f32) -> (u32, [f32; WIDTH]) {
+        let side = |axis: usize, which: usize, inverse: f32| {
+            (self.sides[axis][which] - f32x8::splat(slab.origin[axis])) * f32x8::splat(inverse)
+        };
+        let near = |axis: usize| side(axis, slab.upper_first[axis], slab.inverse[axis]);
+        let far = |axis: usize| side(axis, 1 - slab.upper_first[axis], slab.inverse_far[axis]);
+        let enter = near(0).fast_max(near(1)).fast_max(near(2)).fast_max(f32x8::ZERO);
+        let leave = far(0).fast_min(far(1)).fast_min(far(2)).fast_min(f32x8::splat(limit));
+        (enter.simd_le(leave).to_bitmask(), enter.to_array())
+    }
+}
+
+/// A box in f32.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bounds32 {
+    pub(super) min: Vec3,
+    pub(super) max: Vec3,
+}
+
+impl Bounds32 {
+    /// The box in f32, rounded outwards and grown by 2⁻²¹ of its size: a hit on a triangle's edge may lie outside the
+    /// triangle by the 2⁻²⁴ of twice its size to which sheared vertices are rounded.
+    pub(super) fn padded(bounds: &Bounds) -> Self {
+        let margin = (bounds.max - bounds.min).max_element() * 2f64.powi(-21);
+        let [min, max] = bounds.grown(glam::DVec3::splat(margin)).to_f32_outward();
+        Self { min, max }
+    }
+}
+
+/// A ray prepared for boxes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slab {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    /// The inverse grown by the slack, for the sides through which the ray leaves.
+    inverse_far: [f32; 3],
+    /// 1 on the axes along which the ray meets the upper side first.
+    upper_first: [usize; 3],
+}
+
+impl Slab {
+    pub(super) fn new(ray: &Ray) -> Self {
+        // A finite inverse keeps 0 · ∞ out of `enter` where the origin lies in a side's plane.
+        let inverse = ray.direction.recip().clamp(Vec3::MIN, Vec3::MAX);
+        let inverse_far = (inverse * SLACK).clamp(Vec3::MIN, Vec3::MAX);
+        Self {
+            origin: ray.origin.to_array(),
+            inverse: inverse.to_array(),
+            inverse_far: inverse_far.to_array(),
+            upper_first: inverse.to_array().map(|i| usize::from(i < 0.0)),
+        }
+    }
+}
+
+/// How far away a box may begin and still matter, if hits matter up to `reach`; finite, so that a ray along an axis
+/// misses boxes infinitely far away.
+#[inline]
+pub(super) fn limit(reach: f32) -> f32 {
+    (reach * SLACK).min(f32::MAX)
+}
+
+/// Fetches the cache line of a value, where the processor has an instruction for it.
+#[inline]
+pub(super) fn prefetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    safe_arch::prefetch_t0(value);
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
