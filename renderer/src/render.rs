@@ -7,7 +7,9 @@ use rayon::prelude::*;
 use crate::error::ParamError;
 use crate::film::{PixelEstimate, PixelSum, Reconstruction};
 use crate::integrator::{Batch, Integrator};
-use crate::sampling::{Independent, SampleId, Sampler, SamplerKind, Sobol, Stratified};
+use crate::sampling::{
+    Halton, Independent, MultiJitter, Pmj02, SampleId, Sampler, SamplerKind, Sobol, Stratified,
+};
 use crate::scene::Scene;
 
 /// Side of a tile in pixels.
@@ -76,6 +78,15 @@ pub fn render<I: Integrator>(
             let sampler = Stratified::new(settings.seed, settings.samples);
             render_with(scene, integrator, &sampler, settings, progress)
         }
+        SamplerKind::MultiJitter => {
+            let sampler = MultiJitter::new(settings.seed, settings.samples);
+            render_with(scene, integrator, &sampler, settings, progress)
+        }
+        SamplerKind::Halton => {
+            let sampler = Halton::new(settings.seed, first, settings.samples);
+            render_with(scene, integrator, &sampler, settings, progress)
+        }
+        SamplerKind::Pmj02 => render_with(scene, integrator, &Pmj02::new(settings.seed), settings, progress),
         SamplerKind::Sobol => {
             render_with(scene, integrator, &Sobol::new(settings.seed, first), settings, progress)
         }

@@ -6,6 +6,7 @@ use glam::{DAffine3, DVec3};
 use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
 use renderer::film::{FilmSettings, Filter, Reconstruction};
 use renderer::integrator::{Integrator, PathTracer};
+use renderer::io::read_scene;
 use renderer::materials::Material;
 use renderer::math::{Rgb, transform::Motion};
 use renderer::render::{RenderSettings, Rendering, render, render_with};
@@ -159,9 +160,38 @@ fn a_scene_calls_for_what_it_contains() {
     }
 }
 
+/// Every reference scene, at 12 × 12 pixels.
+fn references() -> Vec<SceneDescription> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|e| e == "xml"));
+    let read = |path: std::path::PathBuf| read_scene(&path, &[("res".into(), "12".into())]).unwrap().0;
+    let all: Vec<_> = scenes.map(read).collect();
+    assert!(all.len() >= 7, "cornell, glass, mesh, moving, soft-shadow, textured and thin-lens at least");
+    all
+}
+
+#[test]
+fn an_effect_left_out_is_not_called_for() {
+    for description in references().into_iter().chain([with_everything()]) {
+        let called = Scene::new(&description).unwrap().effects;
+        for effect in called.iter() {
+            let mut without = description.clone();
+            if without.leave_out(effect).is_err() {
+                assert_eq!(effect, Effect::Rough, "only Phong's model has no null value");
+                continue;
+            }
+            let rest: Vec<_> = Scene::new(&without).unwrap().effects.iter().collect();
+            assert!(!rest.contains(&effect), "{}", effect.name());
+            assert!(rest.iter().all(|&e| called.contains(e)), "{}", effect.name());
+        }
+    }
+}
+
 #[test]
 fn no_decision_is_made_that_is_not_planned() {
-    for description in [with_everything(), furnace(0.5, IntegratorSettings::DIRECT)] {
+    let built = [with_everything(), furnace(0.5, IntegratorSettings::DIRECT)];
+    for description in built.into_iter().chain(references()) {
         for branch in Branch::ALL.map(|(_, branch)| branch) {
             let mut description = description.clone();
             description.integrator.branch = branch;

@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::Material;
 use super::bsdf::{Branch, BsdfSample, Lobe};
 use super::conductor::check_range;
 use super::dielectric::{check_eta, ideal};
@@ -53,6 +54,11 @@ impl BlurDisk<Texture> {
         specular_reflectance.check_reflectance("specular_reflectance")?;
         specular_transmittance.check_reflectance("specular_transmittance")?;
         Ok(Self { blur, eta, reflectance: specular_reflectance, transmittance: specular_transmittance })
+    }
+
+    /// The same surface without blur.
+    pub(super) fn sharp(&self) -> Option<Material> {
+        Material::new_blur_disk(0.0, self.eta, self.reflectance.clone(), self.transmittance.clone()).ok()
     }
 
     /// Whether it refracts, too.

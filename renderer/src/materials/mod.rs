@@ -193,6 +193,18 @@ impl Material {
         }
     }
 
+    /// The material with each rough lobe at its null value, alpha or blur 0.
+    ///
+    /// Returns: `None` for models without such a value.
+    pub fn sharp(&self) -> Option<Self> {
+        match self {
+            Self::RoughConductor(m) => m.sharp(),
+            Self::BlurDisk(m) => m.sharp(),
+            Self::TwoSided(inner) => inner.sharp().map(|inner| Self::TwoSided(Box::new(inner))),
+            other => (!other.calls_for().rough).then(|| other.clone()),
+        }
+    }
+
     /// Whether light passes as if the surface were not there: a dielectric of index 1 that lets all through.
     pub fn is_absent(&self) -> bool {
         matches!(self, Self::Dielectric(m) if m.is_absent())

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::Material;
 use super::bsdf::{BsdfSample, Lobe};
 use super::conductor::{Metal, check_range};
 use super::microfacet::{Ggx, half_vector};
@@ -36,6 +37,11 @@ impl RoughConductor<Texture> {
         }
         specular_reflectance.check_reflectance("specular_reflectance")?;
         Ok(Self { facets: Ggx { alpha }, metal, reflectance: specular_reflectance })
+    }
+
+    /// The same metal without roughness.
+    pub(super) fn sharp(&self) -> Option<Material> {
+        Material::new_conductor(self.metal, self.reflectance.clone()).ok()
     }
 
     /// The metal at the surface coordinates `uv`.

@@ -50,6 +50,12 @@ impl Key {
         Self(mix(self.0.wrapping_add(place).wrapping_add(decision)))
     }
 
+    /// The key of branch `n` of a tree.
+    #[inline]
+    pub(super) const fn child(self, n: u32) -> Self {
+        Self(self.bits(n))
+    }
+
     /// The bits of the stream at `counter`.
     #[inline]
     pub(super) const fn bits(self, counter: u32) -> u64 {

@@ -3,12 +3,16 @@
 pub mod decision;
 pub mod discrete;
 pub mod generators;
+pub mod halton;
 mod hash;
 pub mod independent;
 pub mod mis;
+pub mod multijitter;
 mod owen;
 mod permutation;
 pub mod piecewise;
+pub mod pmj02;
+pub mod redrawn;
 pub mod sobol;
 mod sobol_matrix;
 pub mod stratified;
@@ -18,8 +22,12 @@ pub mod within_plan;
 pub use decision::{Decision, DecisionSet, Vertex};
 pub use discrete::{Discrete, DiscreteSample};
 pub use generators::Generator;
+pub use halton::Halton;
 pub use independent::Independent;
+pub use multijitter::MultiJitter;
 pub use piecewise::{Piecewise1d, Piecewise2d};
+pub use pmj02::Pmj02;
+pub use redrawn::Redrawn;
 pub use sobol::Sobol;
 pub use stratified::Stratified;
 pub use within_plan::WithinPlan;
@@ -31,21 +39,31 @@ pub enum SamplerKind {
     Independent,
     /// One jittered number in each of as many equal strata as there are samples.
     Stratified,
+    /// Correlated multi-jittered points.
+    MultiJitter,
+    /// Owen-scrambled Halton points, joint over the decisions before the first bounce.
+    Halton,
     /// Owen-scrambled Sobol points, joint over the decisions before the first bounce.
     #[default]
     Sobol,
+    /// Progressive multi-jittered (0, 2) points.
+    Pmj02,
 }
 
 impl SamplerKind {
     /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Independent, Self::Stratified, Self::Sobol];
+    pub const ALL: [Self; 6] =
+        [Self::Independent, Self::Stratified, Self::MultiJitter, Self::Halton, Self::Sobol, Self::Pmj02];
 
     /// Its name in scene files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Independent => "independent",
             Self::Stratified => "stratified",
+            Self::MultiJitter => "multijitter",
+            Self::Halton => "halton",
             Self::Sobol => "sobol",
+            Self::Pmj02 => "pmj02",
         }
     }
 }

@@ -43,14 +43,14 @@ impl Stratified {
     }
 }
 
-/// The permutations of a set: counters of its key from the upper end, where no sample's index is.
-const fn permutation(key: Key, set: u32, which: u32) -> u64 {
-    key.bits(u32::MAX - set.wrapping_mul(2) - which)
+/// The permutations of a set, up to four: counters of its key from the upper end, where no sample's index is.
+pub(super) const fn permutation(key: Key, set: u32, which: u32) -> u64 {
+    key.bits(u32::MAX - set.wrapping_mul(4) - which)
 }
 
 /// The number in [0, 1) at `jitter` of 2³² in the cell `cell` of `cells` equal ones; never 1.
 #[inline]
-fn in_cell(cell: u32, cells: u32, jitter: u32) -> f32 {
+pub(super) fn in_cell(cell: u32, cells: u32, jitter: u32) -> f32 {
     let fixed = ((cell as u64) << 32 | jitter as u64) / cells as u64;
     unit_f32(halves(fixed)[0])
 }

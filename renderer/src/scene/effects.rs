@@ -1,7 +1,13 @@
 //! The second idea: a scene calls for its effects, and pays for no other.
 
-use super::Scene;
+use super::{Scene, SceneDescription};
+use crate::camera::{Projection, Shutter};
+use crate::error::{Error, ParamError};
+use crate::film::Filter;
 use crate::lights::Light;
+use crate::materials::Material;
+use crate::math::Rgb;
+use crate::sampling::{Decision, DecisionSet};
 
 /// An effect of distribution ray tracing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -33,6 +39,79 @@ impl Effect {
         ("inter-reflection", Self::InterReflection),
         ("filter", Self::Filter),
     ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        Self::ALL.into_iter().find(|&(_, effect)| effect == self).map_or("", |(name, _)| name)
+    }
+
+    /// The decisions that are made for it, at bounce 0 and at later ones.
+    ///
+    /// Those of rough lobes and of inter-reflection are decisions of one kind, a direction; a wide filter and the plain
+    /// average over a pixel share theirs.
+    pub fn decisions(self) -> [DecisionSet; 2] {
+        let none = DecisionSet::EMPTY;
+        let lights = none.with(Decision::LightChoice).with(Decision::LightPoint);
+        let lobe = none.with(Decision::Lobe);
+        let direction = none.with(Decision::Direction);
+        match self {
+            Self::Lens => [none.with(Decision::Lens), none],
+            Self::Shutter => [none.with(Decision::Time), none],
+            Self::AreaLight => [lights; 2],
+            Self::Rough => [direction; 2],
+            Self::Dielectric => [lobe; 2],
+            Self::InterReflection => {
+                [lobe.with(Decision::Direction).with(Decision::Roulette), DecisionSet::FULL]
+            }
+            Self::Filter => [none.with(Decision::Pixel), none],
+        }
+    }
+}
+
+impl SceneDescription {
+    /// Takes `effect` out of the scene, by its null value: lens radius 0; a shutter that opens for no time, as it opened;
+    /// black shapes instead of light; alpha and blur 0; no surfaces that light passes; paths of two edges; the plain
+    /// average over the pixel.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a rough material that has no such value.
+    pub fn leave_out(&mut self, effect: Effect) -> Result<(), Error> {
+        match effect {
+            Effect::Lens => {
+                if let Projection::Perspective { lens_radius, .. } = &mut self.camera.projection {
+                    *lens_radius = 0.0;
+                }
+            }
+            Effect::Shutter => {
+                let open = self.camera.shutter.open;
+                self.camera.shutter = Shutter { open, close: open };
+            }
+            Effect::AreaLight => self.objects.iter_mut().for_each(|o| o.radiance = Rgb::BLACK),
+            Effect::Rough => {
+                for object in &mut self.objects {
+                    let sharp = object.material.sharp().ok_or_else(|| no_sharp_form(&object.name))?;
+                    object.material = sharp.into();
+                }
+            }
+            Effect::Dielectric => {
+                let passes = |m: &Material| m.calls_for().dielectric;
+                self.objects.retain(|o| !passes(&o.material));
+            }
+            Effect::InterReflection => {
+                let depth = &mut self.integrator.max_depth;
+                *depth = Some(depth.map_or(2, |d| d.min(2)));
+            }
+            Effect::Filter => self.film.filter = Filter::PIXEL,
+        }
+        Ok(())
+    }
+}
+
+fn no_sharp_form(object: &str) -> Error {
+    let accepted = "materials whose roughness is an alpha or a blur";
+    let reason =
+        ParamError::OutOfRange { name: "number of rough lobes without a sharp form", value: 1.0, accepted };
+    Error::Scene { object: object.into(), reason }
 }
 
 /// Which effects are called for.
@@ -52,6 +131,11 @@ impl Effects {
     /// Whether `effect` is called for.
     pub const fn contains(self, effect: Effect) -> bool {
         self.0 & 1 << effect as u8 != 0
+    }
+
+    /// The effects in the set, in the order of [`Effect::ALL`].
+    pub fn iter(self) -> impl Iterator<Item = Effect> {
+        Effect::ALL.into_iter().map(|(_, effect)| effect).filter(move |&effect| self.contains(effect))
     }
 
     /// The effects that the content of `scene` calls for.

@@ -116,7 +116,8 @@ impl Sphere {
         let distance = to.length();
         let sine = self.radius / distance;
         let height = sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt());
-        (self.sign > 0.0 && sine < 1.0 && TAU * height > SMALLEST_SOLID_ANGLE).then(|| (to / distance, distance, height))
+        (self.sign > 0.0 && sine < 1.0 && TAU * height > SMALLEST_SOLID_ANGLE)
+            .then(|| (to / distance, distance, height))
     }
 
     /// The density of [`Self::sample_solid_angle`]; `None` from inside.

@@ -78,6 +78,9 @@ pub const GENERATOR: f64 = 0.02;
 /// Largest RMS relative error over cells of one number or point of a sampler over its randomisations.
 pub const MARGINAL: f64 = 0.02;
 
+/// Largest relative error of the variance that decisions take part in.
+pub const TOTAL_EFFECT: f64 = 0.03;
+
 /// Largest relative error of the mean of an integrand over stratified or low-discrepancy points.
 pub const MEAN: f64 = 0.002;
 

@@ -12,5 +12,6 @@ pub mod page;
 pub mod report;
 pub mod runner;
 pub mod setup;
+pub mod shares;
 mod side;
 pub mod wrong;

@@ -12,7 +12,9 @@ use renderer::materials::{Material, Metal};
 use renderer::math::Rgb;
 use renderer::math::transform::Motion;
 use renderer::render::{RenderSettings, Rendering, render};
-use renderer::sampling::{DecisionSet, Independent, Sampler, SamplerKind, Sobol, Stratified};
+use renderer::sampling::{
+    DecisionSet, Halton, Independent, MultiJitter, Pmj02, Sampler, SamplerKind, Sobol, Stratified,
+};
 use renderer::scene::{
     IntegratorSettings, ObjectSettings, SamplerSettings, Scene, SceneDescription, Strategy,
 };
@@ -209,6 +211,9 @@ pub fn sampler(kind: SamplerKind, seed: u64, planned: DecisionSet, samples: u32)
     match kind {
         SamplerKind::Independent => Box::new(Independent::new(seed)),
         SamplerKind::Stratified => Box::new(Stratified::new(seed, samples)),
+        SamplerKind::MultiJitter => Box::new(MultiJitter::new(seed, samples)),
+        SamplerKind::Halton => Box::new(Halton::new(seed, planned, samples)),
         SamplerKind::Sobol => Box::new(Sobol::new(seed, planned)),
+        SamplerKind::Pmj02 => Box::new(Pmj02::new(seed)),
     }
 }

@@ -44,7 +44,7 @@ fn assert_refused(output: &Output, parts: &[&str]) {
 
 #[test]
 fn every_command_has_help_with_examples() {
-    for command in [&[][..], &["verify"], &["compare"], &["samples"], &["page"]] {
+    for command in [&[][..], &["verify"], &["render"], &["effects"], &["compare"], &["samples"], &["page"]] {
         let (output, _) = lightproof("help", &[command, &["--help"]].concat());
         assert!(output.status.success());
         assert!(text(&output.stdout).contains("Example"), "{command:?}");
@@ -233,4 +233,43 @@ fn images_that_cannot_be_compared_are_refused() {
     assert_refused(&too_few, &["a1.json", "3 values", "36 are accepted"]);
     let of_another = sidecar(serde_json::json!(vec![[[1.0; 3]; 4]; 3]));
     assert_refused(&of_another, &["a1.json", "tile 0, channel 0"]);
+}
+
+/// The reference scene of that name.
+fn reference(name: &str) -> String {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../references/scenes");
+    folder.join(name).with_extension("xml").display().to_string()
+}
+
+#[test]
+fn effects_are_listed_with_their_shares() {
+    let arguments = ["effects", &reference("thin-lens"), "-D", "res=16", "--samples", "64", "--json", "-"];
+    let (output, _) = lightproof("effects", &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let data: serde_json::Value =
+        serde_json::from_slice(&output.stdout).expect("JSON alone on standard output");
+    let effects = data["effects"].as_array().expect("a list");
+    let lens = effects.iter().find(|row| row["effect"] == "lens").expect("a scene with a lens");
+    let [low, high] = [0, 1].map(|i| lens["variance"]["interval"][i].as_f64().expect("a limit"));
+    // At 16 × 16 pixels the blur of the lens is most of what varies in a pixel, and cannot be more than all.
+    assert!(low < high && high > 0.1 && low < 1.0, "{lens}");
+    assert!(text(&output.stderr).contains("lens"), "the table is for people");
+}
+
+#[test]
+fn an_effect_left_out_is_not_drawn() {
+    let scene = reference("thin-lens");
+    let common = ["render", &scene, "-D", "res=16", "--spp", "4", "-o"];
+    let render = |file: &str, more: &[&str]| {
+        let (output, folder) = lightproof("without", &[&common[..], &[file], more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        exr::read(&folder.join(file)).expect("an image").rgb
+    };
+    let pinhole = render("a.exr", &["--without", "lens"]);
+    assert_ne!(pinhole, render("b.exr", &[]));
+    // A scene without a wide filter is the same without it.
+    assert_eq!(pinhole, render("c.exr", &["--without", "lens", "--without", "filter"]));
+    let (refused, _) = lightproof("without", &["render", &scene, "--without", "lenses"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("area-light"), "the accepted names are listed");
 }

@@ -161,7 +161,10 @@ fn sampler(context: &Context, index: usize) -> Result<SamplerSettings, Error> {
     let known: Vec<&str> = SamplerKind::ALL.iter().map(|kind| kind.name()).chain(["ldsampler"]).collect();
     let plugin = object.plugin(&known)?;
     // Mitsuba's low-discrepancy sampler is a scrambled (0, 2)-sequence: Sobol' in two dimensions at a time
-    let kind = SamplerKind::ALL.into_iter().find(|kind| kind.name() == plugin).unwrap_or(SamplerKind::Sobol);
+    let kind = SamplerKind::ALL.into_iter().find(|kind| kind.name() == plugin).unwrap_or_else(|| {
+        context.note("the sampler 'ldsampler' is read as 'sobol', Owen-scrambled Sobol points".into());
+        SamplerKind::Sobol
+    });
     if plugin == "stratified" && !object.boolean("jitter", true)? {
         return Err(object.refuse_value("jitter", "'jitter' is false; true is accepted"));
     }

@@ -8,6 +8,7 @@ use verify::integrands::Integrand;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 use verify::seeds::derive;
 
+use super::sampler::level;
 use crate::bounds;
 use crate::setup::sampler;
 use crate::wrong::samplers::{Confused, in_pairs, repeating_after_64};
@@ -32,10 +33,15 @@ const INTEGRANDS: [(&str, &str); 3] =
 pub(super) fn claims() -> Vec<Claim> {
     let of_kind = |kind: SamplerKind| {
         let slopes = INTEGRANDS.map(|(short, name)| slope(kind, short, integrand(name)));
-        slopes.into_iter().chain([variance(kind)]).collect::<Vec<_>>()
+        let all = slopes.into_iter().chain([variance(kind)]);
+        all.map(|claim| claim.from_level(level(kind))).collect::<Vec<_>>()
     };
-    SamplerKind::ALL.into_iter().flat_map(of_kind).collect()
+    KINDS.into_iter().flat_map(of_kind).collect()
 }
+
+/// The samplers whose variances are known exactly.
+const KINDS: [SamplerKind; 4] =
+    [SamplerKind::Independent, SamplerKind::Stratified, SamplerKind::Sobol, SamplerKind::Pmj02];
 
 fn integrand(name: &str) -> Integrand {
     Integrand::named(name).expect("the integrands of this file are in the list")
@@ -62,7 +68,7 @@ fn exact_variance(kind: SamplerKind, integrand: &Integrand, n: u32) -> f64 {
     match kind {
         SamplerKind::Independent => integrand.random_variance(u64::from(n)),
         SamplerKind::Stratified => integrand.jitter_variance(n.isqrt()),
-        SamplerKind::Sobol => integrand.net_variance(n.ilog2()),
+        _ => integrand.net_variance(n.ilog2()),
     }
 }
 
@@ -146,7 +152,7 @@ fn variance(kind: SamplerKind) -> Claim {
     let family = match kind {
         SamplerKind::Independent => "σ²/N",
         SamplerKind::Stratified => "that of one point in each cell of a grid",
-        SamplerKind::Sobol => "that of Owen-scrambled nets",
+        _ => "that of Owen-scrambled nets",
     };
     let says = format!(
         "the variance of means over {} points is {family}, on three integrands at two counts",

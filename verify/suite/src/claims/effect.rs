@@ -17,6 +17,8 @@ use verify::share;
 use crate::bounds;
 use crate::setup::{built, diffuse, image, lamp, rectangle_at, spot, thing};
 
+mod variance;
+
 /// Side of the images: three channels of its square are enough numbers to settle the bound on misses.
 const SIDE: u32 = 160;
 
@@ -38,6 +40,8 @@ pub(super) fn claims() -> Vec<Claim> {
         null("area-light", "a light of radiance 0 is a black shape", dark(0.0), without_light(), dark(1e-3)),
         null("dielectric", "a surface of eta 1 is not there", glass(1.0), scene(), glass(1.001)),
         null("filter", "a box of radius ½ is the plain average", with_box(0.5), scene(), with_box(0.501)),
+        null("rough", "a blur of 0 is a mirror", blurred(0.0), mirror(), blurred(1e-3)),
+        variance::total_effect(),
         null("inter-reflection", "paths of two edges are direct light", depth(2), direct(), depth(3)),
     ]
 }
@@ -139,9 +143,23 @@ fn without_light() -> SceneDescription {
 
 /// A ball of glass before the other one.
 fn glass(eta: f32) -> SceneDescription {
-    let mut description = scene();
     let white = || Texture::Constant(Rgb::WHITE);
-    let material = Material::new_dielectric(eta, white(), white()).expect("etas of claims are above 0");
+    with_ball(Material::new_dielectric(eta, white(), white()).expect("etas of claims are above 0"))
+}
+
+/// A mirror before the ball, blurred or not.
+fn blurred(blur: f32) -> SceneDescription {
+    let white = || Texture::Constant(Rgb::WHITE);
+    let material = Material::new_blur_disk(blur, None, white(), white());
+    with_ball(material.expect("blurs of claims are 0 or at least 1e-4"))
+}
+
+fn mirror() -> SceneDescription {
+    with_ball(Material::new_mirror(Texture::Constant(Rgb::WHITE)).expect("a reflectance of 1"))
+}
+
+fn with_ball(material: Material) -> SceneDescription {
+    let mut description = scene();
     let ball = ShapeSettings::Sphere { center: DVec3::new(0.2, 0.7, 1.5), radius: 0.4 };
     description.objects.insert(0, thing(ball, DAffine3::IDENTITY, Arc::new(material)));
     description

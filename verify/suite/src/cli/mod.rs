@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 mod compare;
+mod effects;
 mod error;
 mod output;
 mod page;
@@ -31,6 +32,7 @@ Examples:
   lightproof                                  run all claims at the quick level
   lightproof verify --only 'warp/*'           run the claims about warps
   lightproof render scene.xml -o scene.exr     render a scene in Mitsuba's XML format
+  lightproof effects scene.xml                what do its effects cost?
   lightproof compare ours.exr theirs.exr      are these the same image?
   lightproof samples lens.npy --domain disk     do these points follow their density?
   lightproof page report.json -o page.html    make the page again from its data
@@ -51,6 +53,7 @@ struct Cli {
 enum Command {
     Verify(verify::Args),
     Render(render::Args),
+    Effects(effects::Args),
     Compare(compare::Args),
     Samples(samples::Args),
     Page(page::Args),
@@ -62,6 +65,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command.unwrap_or(Command::Verify(cli.verify)) {
         Command::Verify(args) => verify::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Effects(args) => effects::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Samples(args) => samples::run(&args),
         Command::Page(args) => page::run(&args),

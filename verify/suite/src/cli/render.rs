@@ -10,7 +10,7 @@ use renderer::integrator::PathTracer;
 use renderer::io::{self, Provenance};
 use renderer::render::{self, RenderSettings, Rendering};
 use renderer::sampling::SamplerKind;
-use renderer::scene::{Branch, IntegratorSettings, Scene, SceneDescription};
+use renderer::scene::{Branch, Effect, IntegratorSettings, Scene, SceneDescription};
 
 use super::{CliError, Status};
 
@@ -46,6 +46,9 @@ pub(super) struct Args {
     /// What is done at glass: follow both branches, one with probability a half, or one by its share
     #[arg(long, value_parser = PossibleValuesParser::new(Branch::ALL.map(|(name, _)| name)))]
     branch: Option<String>,
+    /// Leaves an effect out; may be repeated
+    #[arg(long, value_name = "EFFECT", value_parser = PossibleValuesParser::new(Effect::ALL.map(|(name, _)| name)))]
+    without: Vec<String>,
     /// The mean of signed weights (importance) or the weighted average of the pixel filter
     #[arg(long, value_parser = ["importance", "weighted"], default_value = "importance")]
     reconstruction: String,
@@ -60,7 +63,7 @@ pub(super) struct Args {
     define: Vec<(String, String)>,
 }
 
-fn definition(text: &str) -> Result<(String, String), String> {
+pub(super) fn definition(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.into(), value.into())),
         _ => Err("NAME=VALUE is accepted".into()),
@@ -75,7 +78,7 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     for note in notes {
         writeln!(stderr(), "note: {note}")?;
     }
-    apply(args, &mut description);
+    apply(args, &mut description)?;
     let [samples, replicates] = RenderSettings::split(description.sampler.spp, args.replicates);
     let settings = RenderSettings {
         sampler: description.sampler.kind,
@@ -111,7 +114,7 @@ fn encoder(output: &Path) -> Result<Encode, CliError> {
 }
 
 /// Puts the options in the place of what the scene says.
-fn apply(args: &Args, description: &mut SceneDescription) {
+fn apply(args: &Args, description: &mut SceneDescription) -> Result<(), CliError> {
     let named = |name: &str| SamplerKind::ALL.into_iter().find(|k| k.name() == name);
     if let Some(kind) = args.sampler.as_deref().and_then(named) {
         description.sampler.kind = kind;
@@ -129,6 +132,11 @@ fn apply(args: &Args, description: &mut SceneDescription) {
     if args.reconstruction == "weighted" {
         description.film.reconstruction = Reconstruction::Weighted;
     }
+    let left_out = Effect::ALL.into_iter().filter(|(name, _)| args.without.iter().any(|w| w == name));
+    for (_, effect) in left_out {
+        description.leave_out(effect)?;
+    }
+    Ok(())
 }
 
 fn progress_bar() -> ProgressBar {

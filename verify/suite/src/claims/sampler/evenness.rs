@@ -10,6 +10,7 @@ use verify::nets::first_uneven;
 use verify::seeds::derive;
 use verify::share;
 
+use super::level;
 use crate::bounds;
 use crate::setup::sampler;
 use crate::wrong::samplers::{Confused, in_pairs, without_the_first};
@@ -24,8 +25,9 @@ const COUNTS: [u32; 2] = [16, 64];
 const SETS: u64 = 64;
 
 pub(super) fn claims() -> Vec<Claim> {
-    let mut list = vec![net(), grid()];
-    list.extend(SamplerKind::ALL.map(discrepancy));
+    let mut list = vec![net(SamplerKind::Sobol), net(SamplerKind::Pmj02), grid(), multijitter(), halton()];
+    let of_family = |kind| family(kind).map(|family| discrepancy(kind, family).from_level(level(kind)));
+    list.extend(SamplerKind::ALL.into_iter().filter_map(of_family));
     list
 }
 
@@ -59,32 +61,36 @@ fn planned() -> DecisionSet {
     DecisionSet::EMPTY.with(Decision::Pixel).with(Decision::Lens)
 }
 
-/// The claim that aligned runs of 2^m Sobol samples are nets.
-fn net() -> Claim {
-    let says = "each aligned run of 2^m pixel positions, and of each later pair of numbers, has one point in every box of area 2^−m";
-    claim("sampler/sobol/net", says)
+/// The claim that aligned runs of 2^m samples are nets.
+fn net(kind: SamplerKind) -> Claim {
+    let says = format!(
+        "each aligned run of 2^m {} points has one in every box of area 2^−m: of pixel positions, and of each later pair of numbers",
+        kind.name()
+    );
+    let even = move |seed| sampler(kind, seed, planned(), 0);
+    let mut builder = claim(format!("sampler/{}/net", kind.name()), says)
         .rejects("independent numbers", |run| {
             never_uneven(run, |seed| {
                 is_no_net(&*sampler(SamplerKind::Independent, seed, planned(), 0), net_of(seed))
             })
         })
-        .rejects("runs without their first point", |run| {
-            let wrong = |seed| Confused { inner: sobol(seed), question: without_the_first };
+        .rejects("runs without their first point", move |run| {
+            let wrong = |seed| Confused { inner: even(seed), question: without_the_first };
             never_uneven(run, |seed| is_no_net(&wrong(seed), net_of(seed)))
-        })
-        .rejects("the lens's dimensions, which are no net", |run| {
+        });
+    if kind == SamplerKind::Sobol {
+        builder = builder.rejects("the lens's dimensions, which are no net", move |run| {
             never_uneven(run, |seed| {
                 is_no_net(
-                    &*sobol(seed),
+                    &*even(seed),
                     Set { decision: Decision::Lens, vertex: Vertex::default(), ..net_of(seed) },
                 )
             })
-        })
-        .by(|run| never_uneven(run, |seed| is_no_net(&*sobol(seed), net_of(seed))))
-}
-
-fn sobol(seed: u64) -> Box<dyn Sampler> {
-    sampler(SamplerKind::Sobol, seed, planned(), 0)
+        });
+    }
+    builder
+        .by(move |run| never_uneven(run, |seed| is_no_net(&*even(seed), net_of(seed))))
+        .from_level(level(kind))
 }
 
 /// A run of samples of a decision whose points are a net, chosen by the bits of `seed`.
@@ -127,25 +133,104 @@ fn grid_of(seed: u64) -> Set {
     Set { start: 0, samples, ..net_of(seed) }
 }
 
-/// Whether the counts of the cells are wrong, as far as 24 digits can tell.
+/// How often each cell of a grid is hit; `None` where 24 digits can't tell.
 ///
 /// A number is cut down to a multiple of 2⁻²⁴; where a cell's edge lies between it and the next one, it may have been on either side, and the
 /// set shows nothing.
-fn is_uneven(sampler: &dyn Sampler, set: Set) -> bool {
+fn counts(points: &[[f64; 2]], [columns, rows]: [u32; 2]) -> Option<Vec<u32>> {
     const DIGIT: f64 = 1.0 / 16_777_216.0;
-    let columns = set.samples.isqrt();
-    let rows = set.samples / columns;
     let mut counts = vec![0; (columns * rows) as usize];
-    for [x, y] in set.points(sampler) {
+    for [x, y] in points {
         let ([column, right], [row, above]) =
-            ([x, x + DIGIT].map(|x| cell(x, columns)), [y, y + DIGIT].map(|y| cell(y, rows)));
+            ([*x, x + DIGIT].map(|x| cell(x, columns)), [*y, y + DIGIT].map(|y| cell(y, rows)));
         if column != right || row != above {
-            return false;
+            return None;
         }
         counts[(row * columns + column) as usize] += 1;
     }
+    Some(counts)
+}
+
+/// Whether the counts of the cells of a stratified set are wrong.
+fn is_uneven(sampler: &dyn Sampler, set: Set) -> bool {
+    let columns = set.samples.isqrt();
+    let rows = set.samples / columns;
+    let Some(counts) = counts(&set.points(sampler), [columns, rows]) else { return false };
     let twice = counts.iter().filter(|&&count| count == 2).count();
     twice != (set.samples - columns * rows) as usize || counts.iter().any(|&count| count != 1 && count != 2)
+}
+
+/// The claim that no two multi-jittered samples share a cell, a fine column or a fine row.
+fn multijitter() -> Claim {
+    let kind = SamplerKind::MultiJitter;
+    let says = "no two of n multi-jittered samples share one of a·b cells, of ab columns or of ab rows, a = ⌊√n⌋ and b = ⌈n/a⌉";
+    let set_of = |kind: SamplerKind, seed: u64| {
+        let set = grid_of(seed);
+        (sampler(kind, seed, planned(), set.samples), set)
+    };
+    let crowded = |sampler: &dyn Sampler, set: Set| {
+        let columns = set.samples.isqrt();
+        let rows = set.samples.div_ceil(columns);
+        let points = set.points(sampler);
+        let grids = [[columns, rows], [columns * rows, 1], [1, columns * rows]];
+        grids.into_iter().filter_map(|grid| counts(&points, grid)).flatten().any(|count| count > 1)
+    };
+    claim("sampler/multijitter/grid", says)
+        .rejects("stratified numbers", move |run| {
+            never_uneven(run, |seed| {
+                let (sampler, set) = set_of(SamplerKind::Stratified, seed);
+                crowded(&*sampler, set)
+            })
+        })
+        .rejects("samples in pairs of the same numbers", move |run| {
+            never_uneven(run, |seed| {
+                let (inner, set) = set_of(kind, seed);
+                crowded(&Confused { inner, question: in_pairs }, set)
+            })
+        })
+        .by(move |run| {
+            never_uneven(run, |seed| {
+                let (sampler, set) = set_of(kind, seed);
+                crowded(&*sampler, set)
+            })
+        })
+        .from_level(level(kind))
+}
+
+/// The claim that runs of 2^a·3^b Halton samples fill a grid, wherever they begin.
+fn halton() -> Claim {
+    let kind = SamplerKind::Halton;
+    let says = "each run of 2^a·3^b Halton pixel positions, wherever it begins, has one in every cell of 2^a columns and 3^b rows";
+    let run_of = |kind: SamplerKind, seed: u64| {
+        let grid = [1 << ((seed >> 20) % 5), 3_u32.pow(u32::from((seed >> 28).to_le_bytes()[0]) % 4)];
+        let samples = grid[0] * grid[1];
+        let start = u32::from((seed >> 36).to_le_bytes()[0]);
+        let set = Set { start, samples, decision: Decision::Pixel, vertex: Vertex::default(), seed };
+        (sampler(kind, seed, planned(), start + samples), set, grid)
+    };
+    let uneven = |sampler: &dyn Sampler, set: Set, grid: [u32; 2]| {
+        counts(&set.points(sampler), grid).is_some_and(|counts| counts.iter().any(|&count| count != 1))
+    };
+    claim("sampler/halton/runs", says)
+        .rejects("Sobol's points", move |run| {
+            never_uneven(run, |seed| {
+                let (sampler, set, grid) = run_of(SamplerKind::Sobol, seed);
+                uneven(&*sampler, set, grid)
+            })
+        })
+        .rejects("samples in pairs of the same numbers", move |run| {
+            never_uneven(run, |seed| {
+                let (inner, set, grid) = run_of(kind, seed);
+                uneven(&Confused { inner, question: in_pairs }, set, grid)
+            })
+        })
+        .by(move |run| {
+            never_uneven(run, |seed| {
+                let (sampler, set, grid) = run_of(kind, seed);
+                uneven(&*sampler, set, grid)
+            })
+        })
+        .from_level(level(kind))
 }
 
 /// In which of `cells` equal parts of [0, 1) a number lies.
@@ -159,13 +244,18 @@ fn cell(u: f64, cells: u32) -> u32 {
     cell
 }
 
+/// The family of pixel positions whose mean discrepancy is known exactly.
+fn family(kind: SamplerKind) -> Option<Family> {
+    match kind {
+        SamplerKind::Independent => Some(Family::Random),
+        SamplerKind::Stratified => Some(Family::Jitter),
+        SamplerKind::Sobol | SamplerKind::Pmj02 => Some(Family::ScrambledNet),
+        SamplerKind::MultiJitter | SamplerKind::Halton => None,
+    }
+}
+
 /// The claim that the mean squared discrepancy of pixel positions is the exact one of their family.
-fn discrepancy(kind: SamplerKind) -> Claim {
-    let family = match kind {
-        SamplerKind::Independent => Family::Random,
-        SamplerKind::Stratified => Family::Jitter,
-        SamplerKind::Sobol => Family::ScrambledNet,
-    };
+fn discrepancy(kind: SamplerKind, family: Family) -> Claim {
     let tests = move || {
         COUNTS.map(|n| MeanClaim {
             replicates: SETS,

@@ -7,12 +7,13 @@ use verify::independence::{Tally, judge_tallies};
 use verify::mean::CONTROL_FACTOR;
 use verify::seeds::derive;
 
+use super::level;
 use super::recording::{Place, Recording, Reuse, SAMPLES};
 use crate::bounds;
 use crate::wrong::samplers::{Question, in_pairs, lens_for_time, shared_by_neighbours};
 
 pub(super) fn claims() -> Vec<Claim> {
-    SamplerKind::ALL.map(independence).into()
+    SamplerKind::ALL.map(|kind| independence(kind).from_level(level(kind))).into()
 }
 
 /// The claim that all pairs of numbers are independent: of one sample, of neighbouring pixels, of replicates, of seeds; of successive

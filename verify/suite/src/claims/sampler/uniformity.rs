@@ -11,6 +11,7 @@ use verify::integrands::Integrand;
 use verify::mean::{CONTROL_FACTOR, MeanClaim, joint_control, joint_evidence};
 use verify::seeds::derive;
 
+use super::level;
 use crate::bounds;
 use crate::setup::sampler;
 use crate::wrong::samplers::{in_order, on_the_diagonal};
@@ -32,7 +33,8 @@ pub(super) fn claims() -> Vec<Claim> {
     let of_kind = |kind: SamplerKind| {
         let marginals = PLACES
             .map(|(name, decision, bounce)| marginal(kind, name, Place { decision, vertex: at(bounce) }));
-        marginals.into_iter().chain([mean(kind)]).collect::<Vec<_>>()
+        let all = marginals.into_iter().chain([mean(kind)]);
+        all.map(|claim| claim.from_level(level(kind))).collect::<Vec<_>>()
     };
     SamplerKind::ALL.into_iter().flat_map(of_kind).collect()
 }
