@@ -10,6 +10,7 @@ use super::conductor::check_range;
 use super::dielectric::{check_eta, ideal};
 use super::fresnel::{self, Interface};
 use crate::error::ParamError;
+use crate::math::float::round_f32;
 use crate::math::{Frame, Rgb};
 use crate::sampling::warp;
 use crate::texture::Texture;
@@ -149,10 +150,14 @@ impl BlurDisk<Rgb> {
 
     fn density(&self, wo: Vec3, wi: Vec3, interface: Interface, branch: Branch) -> f32 {
         let Some(r) = self.ideal(wo, interface, branch) else { return 0.0 };
-        let cos = r.dot(wi);
-        let tan2 = r.cross(wi).length_squared() / (cos * cos);
-        let inside = cos > 0.0 && wi.z * r.z > 0.0 && tan2 <= self.blur * self.blur;
-        if inside { self.peak() * inverse_cos_cubed(tan2) } else { 0.0 }
+        // In f64: a cosine of 1/100 has few digits in f32, and a tangent of 1e-4 fewer.
+        let (ideal, given) = (r.as_dvec3(), wi.as_dvec3());
+        let cos = ideal.dot(given);
+        let tan2 = ideal.cross(given).length_squared() / (cos * cos);
+        let blur2 = f64::from(self.blur) * f64::from(self.blur);
+        let inside = cos > 0.0 && wi.z * r.z > 0.0 && tan2 <= blur2;
+        let density = (1.0 + tan2) * (1.0 + tan2).sqrt() / (std::f64::consts::PI * blur2);
+        if inside { round_f32(density) } else { 0.0 }
     }
 
     /// The direction that is perturbed; `None` where the branch scatters nothing.

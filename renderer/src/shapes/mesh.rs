@@ -101,10 +101,13 @@ impl Mesh {
         let [a, b, c] = corners.map(|i| self.positions[i].as_dvec3());
         let (e1, e2) = (b - a, c - a);
         let cross = e1.cross(e2);
-        // Heights over the plane are evaluated to within this size: needles lose digits in e1 × e2.
-        let edges = e1.length() * e2.length();
-        let extent = (e1.length() + e2.length() + a.abs().max_element()) * (1.0 + edges / cross.length());
+        let (size1, size2) = (e1.length(), e2.length());
+        // Heights over the plane are evaluated to within 2⁻⁴⁶ of this size. In a needle e1 × e2 loses digits: edges and
+        // products have 4 roundings of 2⁻⁵³ a component, 7 in length, relative to |e1||e2|, and tilt the plane by as much.
+        let extent = size1 + size2 + a.abs().max_element();
+        let tilt = 2f64.powi(-50) * (size1 + size2) * (size1 * size2 / cross.length());
         let (point, error) = rounded(a + e1 * f64::from(v) + e2 * f64::from(w), extent);
+        let error = error + crate::math::float::round_f32(tilt);
         let face = (cross.normalize() * self.sign).as_vec3();
         let u = 1.0 - v - w;
         let n = match &self.normals {

@@ -285,11 +285,12 @@ fn rounded(p: DVec3, extent: f64) -> (glam::Vec3, glam::Vec3) {
 /// What `rounded` gives for a surface of radius of curvature `radius`, of the size `extent`.
 ///
 /// A step of e along the tangent leaves such a surface by e²/2r. The rounding of the point and the one of the start of a
-/// ray from it (a whole unit in the last place) make e at most three times the length of the half units.
+/// ray from it (a whole unit in the last place) make e at most three times the length of the half units. It matters on the
+/// inner side only, where a step of r is the last that can help: a body smaller than its rounding has no inside to start from.
 #[expect(clippy::cast_possible_truncation, reason = "a bound, rounded far below its slack")]
 fn rounded_curved(p: DVec3, extent: f64, radius: f64) -> (glam::Vec3, glam::Vec3) {
     let (point, error) = rounded(p, extent);
-    (point, error + (4.5 * error.as_dvec3().length_squared() / radius) as f32)
+    (point, error + (4.5 * error.as_dvec3().length_squared() / radius).min(radius) as f32)
 }
 
 /// A distance as f32, if it rounds to a number in (0, `t_max`).

@@ -70,8 +70,13 @@ impl Plane {
     }
 
     /// The point at (x, y), with texture coordinates `uv`.
-    pub(super) fn surface(&self, [x, y]: [f32; 2], uv: [f32; 2]) -> SurfacePoint {
-        let p = self.center + self.a * f64::from(x) + self.b * f64::from(y);
+    pub(super) fn surface(&self, at: [f32; 2], uv: [f32; 2]) -> SurfacePoint {
+        self.surface_at(at.map(f64::from), uv)
+    }
+
+    /// The same for a place that needs more digits: a millimetre's part of a plane a thousand kilometres wide.
+    pub(super) fn surface_at(&self, [x, y]: [f64; 2], uv: [f32; 2]) -> SurfacePoint {
+        let p = self.center + self.a * x + self.b * y;
         let (point, error) = rounded(p, self.extent);
         SurfacePoint { point, error, ng: self.normal, n: self.normal, uv }
     }

@@ -62,7 +62,8 @@ impl Rectangle {
     #[expect(clippy::cast_possible_truncation, reason = "a place on the rectangle is two f32 numbers")]
     pub(super) fn sample_solid_angle(&self, from: DVec3, u: [f32; 2]) -> Option<(SurfacePoint, f64)> {
         let seen = self.seen_from(from)?;
-        let place = seen.sample(u.map(f64::from)).map(|c| c as f32);
-        Some((self.sample_area(place), 1.0 / seen.solid_angle()))
+        let place = seen.sample(u.map(f64::from));
+        let surface = self.plane.surface_at(place.map(|c| 2.0 * c - 1.0), place.map(|c| c as f32));
+        Some((surface, 1.0 / seen.solid_angle()))
     }
 }
