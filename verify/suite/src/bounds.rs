@@ -98,3 +98,6 @@ pub const CORRELATION: f64 = 0.25;
 
 /// Smallest distance of a linear complexity from theory's that is not tolerated: of random bits one of 16 or more has probability 2·4^−16 = 5e-10.
 pub const LINEAR_COMPLEXITY: f64 = 16.0;
+
+/// Largest relative difference between the means of a scene and of the same scene far away, scaled or mirrored.
+pub const INVARIANCE: f64 = 0.002;

@@ -38,6 +38,30 @@ pub struct Report {
     /// Rendered scenes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gallery: Vec<Gallery>,
+    /// What numeric stability costs, routine by routine; empty where no `stable` claim ran.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stability: Vec<StabilityRow>,
+}
+
+/// A routine in its usual form and in ours: the worst error of either, and its time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StabilityRow {
+    /// Routine and range.
+    pub routine: String,
+    /// What errors are measured in.
+    pub unit: String,
+    /// The usual form.
+    pub naive: String,
+    /// Its worst error; `null` where it gave no finite number, or a wrong decision.
+    pub naive_error: Number,
+    /// Our worst error.
+    pub error: Number,
+    /// The bound that the claim asserts for it.
+    pub bound: f64,
+    /// Nanoseconds a call of the usual form, with what the measurement adds to both.
+    pub naive_ns: f64,
+    /// Nanoseconds a call of ours.
+    pub ours_ns: f64,
 }
 
 /// One claim of a run.

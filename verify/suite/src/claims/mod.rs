@@ -19,9 +19,11 @@ mod pointwise;
 mod recorded;
 mod relation;
 mod sampler;
+mod stable;
 mod warp;
 
 pub use image::set_references;
+pub use stable::table as stability_table;
 
 /// The groups that a claim's name may begin with.
 pub const GROUPS: [&str; 19] = [
@@ -64,6 +66,7 @@ pub fn all() -> Vec<Claim> {
         relation::claims(),
         effect::claims(),
         image::claims(),
+        stable::claims(),
     ]
     .into_iter()
     .flatten()

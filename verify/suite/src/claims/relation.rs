@@ -134,7 +134,7 @@ fn same_within(bound: f64, id: &'static str, says: &'static str, versions: fn() 
 }
 
 /// A floor, a wall, a diffuse and a rough metal ball under a square light, and a dim sky; paths of up to 4 edges.
-fn room() -> SceneDescription {
+pub(super) fn room() -> SceneDescription {
     let metal =
         Material::new_phong(Texture::Constant(Rgb::splat(0.3)), Texture::Constant(Rgb::splat(0.4)), 10.0);
     let metal = Arc::new(metal.expect("0.3 + 0.4 is at most 1"));
@@ -224,7 +224,11 @@ fn two_lights(factors: [f32; 2]) -> SceneDescription {
 
 /// The room with everything in it, the camera too, moved by `outer`.
 fn moved(outer: DAffine3) -> SceneDescription {
-    let mut description = room();
+    transformed(room(), outer)
+}
+
+/// The scene with everything in it, the camera too, moved by `outer`.
+pub(super) fn transformed(mut description: SceneDescription, outer: DAffine3) -> SceneDescription {
     let then = |motion: &renderer::math::transform::Motion| fixed(outer * motion.at(0.0));
     for object in &mut description.objects {
         object.to_world = then(&object.to_world);

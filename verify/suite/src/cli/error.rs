@@ -49,6 +49,9 @@ pub enum CliError {
         /// The first of them and its reason.
         first: String,
     },
+    /// A table of exact values could not be read.
+    #[error(transparent)]
+    Stability(verify::error::InputError),
     /// An image could not be read.
     #[error(transparent)]
     Image(#[from] renderer::Error),

@@ -13,7 +13,7 @@ use wildmatch::WildMatch;
 
 use super::output::{Words, is_stdout};
 use super::{CliError, Status, table, write_file};
-use crate::report::{self, ClaimReport, Report};
+use crate::report::{self, ClaimReport, Report, StabilityRow};
 use crate::runner::{self, Settings};
 use crate::{claims, gallery, page};
 
@@ -178,7 +178,16 @@ fn run_claims(args: &Args, chosen: Vec<&Claim>, threads: usize) -> Result<Report
         claims,
         errors,
         gallery: gallery::take(),
+        stability: stability(&chosen)?,
     })
+}
+
+/// What stability costs, if one of the chosen claims is about it.
+fn stability(chosen: &[&Claim]) -> Result<Vec<StabilityRow>, CliError> {
+    if !chosen.iter().any(|claim| claim.id().starts_with("stable/")) {
+        return Ok(Vec::new());
+    }
+    claims::stability_table().map_err(CliError::Stability)
 }
 
 /// Seconds that claims took in the report that is about to be replaced; nothing where there is none that can be read.

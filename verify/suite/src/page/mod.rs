@@ -13,6 +13,7 @@ mod curve;
 mod gallery;
 mod groups;
 pub(crate) mod heat;
+mod stability;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -33,6 +34,7 @@ pub fn html(report: &Report) -> String {
                 (gallery::section(&report.gallery))
                 (errors(report))
                 (groups::sections(&report.claims))
+                (stability::section(&report.stability))
                 (footer(report))
             }
         }

@@ -1,0 +1,103 @@
+//! A scene far away, small, large or mirrored looks the same.
+
+use std::sync::{Arc, LazyLock};
+
+use glam::{DAffine3, DVec3};
+use renderer::scene::{Scene, SceneDescription};
+use verify::claim::{Claim, Level, claim};
+use verify::mean::{MeanClaim, joint_control, joint_evidence};
+
+use super::super::relation::{room, transformed};
+use crate::bounds;
+use crate::setup::{built, fixed, image, mean, remembering};
+use renderer::sampling::SamplerKind;
+
+/// Samples a pixel and replicate.
+const SAMPLES: u32 = 16;
+
+pub(super) fn claims() -> Vec<Claim> {
+    // Not a whole number of anything in single precision.
+    let shift =
+        |d: f64| DAffine3::from_translation(d * DVec3::new(1.0, -0.7, 0.3) + DVec3::new(0.37, 0.61, -0.43));
+    let scale = |s: f64| DAffine3::from_scale(DVec3::splat(s));
+    let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+    [
+        same("translated-1e5", "1e5 away from the origin", shift(1e5)),
+        same("translated-1e7", "1e7 away from the origin", shift(1e7)),
+        same("scaled-1e-6", "a millionth as large", scale(1e-6)),
+        same("scaled-1e6", "a million times as large", scale(1e6)),
+        same("mirrored", "mirrored", mirror),
+    ]
+    .map(|claim| claim.from_level(Level::Standard))
+    .into()
+}
+
+/// The room without inter-reflection, which would only add noise.
+fn lit() -> SceneDescription {
+    let mut description = room();
+    description.integrator.max_depth = Some(2);
+    description
+}
+
+/// The room and the same under `outer`: their means from the same seed.
+struct Pair {
+    mean: Box<dyn Fn(usize, u64) -> f64 + Send + Sync>,
+    difference: MeanClaim,
+}
+
+impl Pair {
+    fn new(outer: DAffine3) -> Self {
+        let scenes = [built(&lit()), built(&transformed(lit(), outer)), built(&in_single(outer))];
+        let of = |scene: &Scene, seed| mean(&image(scene, SamplerKind::Sobol, SAMPLES, seed));
+        let unit = of(&scenes[0], 0);
+        // Sums of f32 products along paths of a few vertices.
+        let rounding = 16.0 * f64::from(f32::EPSILON);
+        // A mirrored surface's frame is another, and so are the directions drawn in it: only there the noise is not shared.
+        let replicates = if outer.matrix3.determinant() < 0.0 { 800 } else { 32 };
+        let difference =
+            MeanClaim { rounding, replicates, ..MeanClaim::in_units_of(unit, 0.0, bounds::INVARIANCE) };
+        Self { mean: Box::new(remembering(move |version, seed| of(&scenes[version], seed))), difference }
+    }
+
+    fn off(&self, version: usize, seed: u64) -> f64 {
+        (self.mean)(version, seed) - (self.mean)(0, seed)
+    }
+}
+
+/// The room under `outer` as a renderer has it that keeps transforms in single precision, in the world's own frame.
+fn in_single(outer: DAffine3) -> SceneDescription {
+    let mut description = transformed(lit(), outer);
+    for object in &mut description.objects {
+        let m = object.to_world.at(0.0);
+        object.to_world = fixed(DAffine3 { translation: m.translation.as_vec3().as_dvec3(), ..m });
+    }
+    let m = description.camera.to_world.at(0.0);
+    description.camera.to_world = fixed(DAffine3 { translation: m.translation.as_vec3().as_dvec3(), ..m });
+    description
+}
+
+fn same(id: &'static str, how: &'static str, outer: DAffine3) -> Claim {
+    let pair = Arc::new(LazyLock::new(move || Pair::new(outer)));
+    let (control, naive, brighter) = (pair.clone(), pair.clone(), pair.clone());
+    let claim =
+        claim(format!("stable/invariance/{id}"), format!("a scene {how} has the same mean within 0.2 %"))
+            .bound(bounds::INVARIANCE)
+            .rejects("2.2 × resolution", move |run| {
+                joint_control(&[control.difference], run, |_, seed| control.off(1, seed))
+            })
+            .rejects("1 % brighter", move |run| {
+                joint_evidence(&[brighter.difference], run, |_, seed| {
+                    brighter.off(1, seed) + 0.01 * (brighter.mean)(1, seed)
+                })
+            });
+    // Steps of 1 at 1e7 show; those of 1/128 at 1e5 are too small to.
+    let far = id == "translated-1e7";
+    let claim = if far {
+        claim.rejects("translations in single precision", move |run| {
+            joint_evidence(&[naive.difference], run, |_, seed| naive.off(2, seed))
+        })
+    } else {
+        claim
+    };
+    claim.by(move |run| joint_evidence(&[pair.difference], run, |_, seed| pair.off(1, seed)))
+}
