@@ -1,19 +1,16 @@
 //! Rank 9: a scene, an integrator and a sampler become an image, tile by tile on all cores.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use crate::error::ParamError;
-use crate::film::{PixelEstimate, PixelSum, Reconstruction};
+use crate::film::{Part, PixelEstimate, PixelSum, Reconstruction, Tile, TileSums};
 use crate::integrator::{Batch, Integrator};
 use crate::sampling::{
     Halton, Independent, MultiJitter, Pmj02, SampleId, Sampler, SamplerKind, Sobol, Stratified,
 };
 use crate::scene::Scene;
-
-/// Side of a tile in pixels.
-const TILE: u32 = 16;
 
 /// Samples that travel together: few enough for the lists of all stages to stay in a core's own cache.
 const BATCH: usize = 512;
@@ -40,6 +37,22 @@ impl RenderSettings {
         let replicates = replicates.clamp(1, spp.max(1));
         [spp.max(1).div_ceil(replicates), replicates]
     }
+
+    /// An empty part of all the samples of `scene`'s film.
+    pub fn whole(&self, scene: &Scene) -> Part {
+        Part::new([scene.film.width, scene.film.height], self.replicates, [0, self.samples])
+    }
+
+    fn check(&self) -> Result<(), ParamError> {
+        for (name, value) in
+            [("the number of samples", self.samples), ("the number of replicates", self.replicates)]
+        {
+            if value == 0 {
+                return Err(ParamError::OutOfRange { name, value: 0.0, accepted: "a number of at least 1" });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// An image with its errors.
@@ -57,6 +70,20 @@ pub struct Rendering {
     pub dropped: u64,
 }
 
+impl Rendering {
+    /// The image of `part`; tiles that are missing are black.
+    ///
+    /// * `reconstruction`: how the film makes a pixel of its samples.
+    pub fn of(part: &Part, reconstruction: Reconstruction) -> Self {
+        let pixels = part.estimates(reconstruction == Reconstruction::Weighted);
+        let per_pixel = f64::from(part.range[1] - part.range[0]) * f64::from(part.replicates);
+        let sum: f64 = pixels.iter().map(|p| p.mean.iter().sum::<f64>() / 3.0).sum::<f64>() * per_pixel;
+        let largest_share = if sum > 0.0 { part.largest() / sum } else { 0.0 };
+        let [width, height] = part.size;
+        Self { width, height, pixels, largest_share, dropped: part.dropped() }
+    }
+}
+
 /// Renders `scene`.
 ///
 /// * `progress`: called with the share of the work that is done, from any thread.
@@ -69,28 +96,8 @@ pub fn render<I: Integrator>(
     settings: &RenderSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Rendering, ParamError> {
-    let [first, _] = integrator.decisions(scene);
-    match settings.sampler {
-        SamplerKind::Independent => {
-            render_with(scene, integrator, &Independent::new(settings.seed), settings, progress)
-        }
-        SamplerKind::Stratified => {
-            let sampler = Stratified::new(settings.seed, settings.samples);
-            render_with(scene, integrator, &sampler, settings, progress)
-        }
-        SamplerKind::MultiJitter => {
-            let sampler = MultiJitter::new(settings.seed, settings.samples);
-            render_with(scene, integrator, &sampler, settings, progress)
-        }
-        SamplerKind::Halton => {
-            let sampler = Halton::new(settings.seed, first, settings.samples);
-            render_with(scene, integrator, &sampler, settings, progress)
-        }
-        SamplerKind::Pmj02 => render_with(scene, integrator, &Pmj02::new(settings.seed), settings, progress),
-        SamplerKind::Sobol => {
-            render_with(scene, integrator, &Sobol::new(settings.seed, first), settings, progress)
-        }
-    }
+    let part = go_on(scene, integrator, settings, settings.whole(scene), &|part| progress(part.share()))?;
+    Ok(Rendering::of(&part, scene.film.reconstruction))
 }
 
 /// Renders `scene` with numbers from any `sampler`; the settings' own kind and seed are not looked at.
@@ -104,26 +111,45 @@ pub fn render_with<I: Integrator, S: Sampler>(
     settings: &RenderSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Rendering, ParamError> {
-    for (name, value) in
-        [("the number of samples", settings.samples), ("the number of replicates", settings.replicates)]
-    {
-        if value == 0 {
-            return Err(ParamError::OutOfRange { name, value: 0.0, accepted: "a number of at least 1" });
-        }
+    settings.check()?;
+    let with = Finish { scene, integrator, settings, watch: &|part| progress(part.share()) };
+    let part = with.sampler(sampler, settings.whole(scene))?;
+    Ok(Rendering::of(&part, scene.film.reconstruction))
+}
+
+/// Renders the tiles that `part` misses, each for the part's range of samples.
+///
+/// * `watch`: called with all that is finished after each tile, from any thread; nothing else is entered meanwhile.
+///
+/// # Errors
+/// As [`render`]; and a part of another film, other replicates, or samples beyond the settings'.
+pub fn go_on<I: Integrator>(
+    scene: &Scene,
+    integrator: &I,
+    settings: &RenderSettings,
+    part: Part,
+    watch: &(dyn Fn(&Part) + Sync),
+) -> Result<Part, ParamError> {
+    settings.check()?;
+    let film = [scene.film.width, scene.film.height];
+    if part.size != film || part.replicates != settings.replicates || part.range[1] > settings.samples {
+        return Err(ParamError::OutOfRange {
+            name: "the last sample of the part",
+            value: f64::from(part.range[1]),
+            accepted: "a part of the same film, with as many replicates, of samples that the settings have",
+        });
     }
-    let tiles = tiles(scene.film.width, scene.film.height);
-    let done = AtomicUsize::new(0);
-    let work = || -> Vec<TileResult> {
-        let tile = |tile: &Tile| {
-            let result = render_tile(scene, integrator, sampler, settings, tile);
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(done as f64 / tiles.len() as f64);
-            result
-        };
-        tiles.par_iter().map(tile).collect()
-    };
-    let finished = if settings.threads == 0 { work() } else { pool(settings.threads)?.install(work) };
-    Ok(assemble(scene, settings, &tiles, &finished))
+    let [first, _] = integrator.decisions(scene);
+    let (seed, samples) = (settings.seed, settings.samples);
+    let with = Finish { scene, integrator, settings, watch };
+    match settings.sampler {
+        SamplerKind::Independent => with.sampler(&Independent::new(seed), part),
+        SamplerKind::Stratified => with.sampler(&Stratified::new(seed, samples), part),
+        SamplerKind::MultiJitter => with.sampler(&MultiJitter::new(seed, samples), part),
+        SamplerKind::Halton => with.sampler(&Halton::new(seed, first, samples), part),
+        SamplerKind::Pmj02 => with.sampler(&Pmj02::new(seed), part),
+        SamplerKind::Sobol => with.sampler(&Sobol::new(seed, first), part),
+    }
 }
 
 fn pool(threads: usize) -> Result<rayon::ThreadPool, ParamError> {
@@ -134,86 +160,65 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, ParamError> {
     })
 }
 
-/// A rectangle of pixels: columns and rows from–to.
-struct Tile {
-    x: [u32; 2],
-    y: [u32; 2],
+/// How the tiles that a part misses are rendered.
+struct Finish<'a, I> {
+    scene: &'a Scene,
+    integrator: &'a I,
+    settings: &'a RenderSettings,
+    watch: &'a (dyn Fn(&Part) + Sync),
 }
 
-impl Tile {
-    fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
-        let ([x0, x1], [y0, y1]) = (self.x, self.y);
-        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y]))
-    }
-}
-
-fn tiles(width: u32, height: u32) -> Vec<Tile> {
-    let cuts = |size: u32| (0..size).step_by(TILE as usize).map(move |a| [a, (a + TILE).min(size)]);
-    cuts(height).flat_map(|y| cuts(width).map(move |x| Tile { x, y })).collect()
-}
-
-struct TileResult {
-    pixels: Vec<PixelEstimate>,
-    largest: f64,
-    dropped: u64,
-}
-
-fn render_tile<I: Integrator, S: Sampler>(
-    scene: &Scene,
-    integrator: &I,
-    sampler: &S,
-    settings: &RenderSettings,
-    tile: &Tile,
-) -> TileResult {
-    let pixels: Vec<[u32; 2]> = tile.pixels().collect();
-    let mut sums = vec![PixelSum::new(settings.replicates); pixels.len()];
-    let of_pixel = |pixel: [u32; 2]| {
-        (0..settings.replicates).flat_map(move |replicate| {
-            (0..settings.samples).map(move |index| SampleId { pixel, replicate, index })
-        })
-    };
-    let mut ids = pixels.iter().flat_map(|&pixel| of_pixel(pixel));
-    let mut batch = Batch::default();
-    let mut largest = 0.0f64;
-    loop {
-        batch.refill(ids.by_ref().take(BATCH));
-        if batch.samples.is_empty() {
-            break;
+impl<I: Integrator> Finish<'_, I> {
+    /// The part with its missing tiles, with numbers from `sampler`.
+    fn sampler<S: Sampler>(&self, sampler: &S, part: Part) -> Result<Part, ParamError> {
+        let range = part.range;
+        let missing: Vec<(usize, Tile)> = Tile::all(part.size)
+            .into_iter()
+            .enumerate()
+            .filter(|(index, _)| part.tiles()[*index].is_none())
+            .collect();
+        let part = Mutex::new(part);
+        let work = || {
+            missing.par_iter().for_each(|(index, tile)| {
+                let sums = self.tile(sampler, tile, range);
+                let mut part = part.lock().unwrap_or_else(PoisonError::into_inner);
+                part.finish(*index, sums);
+                (self.watch)(&part);
+            });
+        };
+        if self.settings.threads == 0 {
+            work()
+        } else {
+            pool(self.settings.threads)?.install(work)
         }
-        integrator.trace(scene, sampler, &mut batch);
-        for sample in &batch.samples {
-            let [x, y] = sample.id.pixel;
-            let pixel = (y - tile.y[0]) * (tile.x[1] - tile.x[0]) + x - tile.x[0];
-            let weighted = sample.radiance * sample.weight;
-            sums[pixel as usize].push(sample.id.replicate, weighted, sample.weight);
-            largest = largest.max(f64::from(weighted.mean().abs()));
-        }
+        Ok(part.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
-    let by_weight = scene.film.reconstruction == Reconstruction::Weighted;
-    TileResult {
-        pixels: sums.iter().map(|s| s.estimate(by_weight)).collect(),
-        largest,
-        dropped: batch.dropped,
-    }
-}
 
-fn assemble(scene: &Scene, settings: &RenderSettings, tiles: &[Tile], finished: &[TileResult]) -> Rendering {
-    let (width, height) = (scene.film.width, scene.film.height);
-    let empty = PixelEstimate { mean: [0.0; 3], standard_error: None, samples: 0 };
-    let mut pixels = vec![empty; width as usize * height as usize];
-    for (tile, result) in tiles.iter().zip(finished) {
-        for ([x, y], estimate) in tile.pixels().zip(&result.pixels) {
-            pixels[y as usize * width as usize + x as usize] = *estimate;
+    /// The samples `start` to `end` − 1 of each pixel and replicate of a tile.
+    fn tile<S: Sampler>(&self, sampler: &S, tile: &Tile, [start, end]: [u32; 2]) -> TileSums {
+        let replicates = self.settings.replicates;
+        let mut sums = vec![PixelSum::starting_at(replicates, start); tile.pixels().count()];
+        let of_pixel = |pixel: [u32; 2]| {
+            (0..replicates).flat_map(move |replicate| {
+                (start..end).map(move |index| SampleId { pixel, replicate, index })
+            })
+        };
+        let mut ids = tile.pixels().flat_map(of_pixel);
+        let mut batch = Batch::default();
+        let mut largest = 0.0f64;
+        loop {
+            batch.refill(ids.by_ref().take(BATCH));
+            if batch.samples.is_empty() {
+                break;
+            }
+            self.integrator.trace(self.scene, sampler, &mut batch);
+            for sample in &batch.samples {
+                let weighted = sample.radiance * sample.weight;
+                let pixel = &mut sums[tile.place(sample.id.pixel)];
+                pixel.push(sample.id.replicate, weighted, sample.weight);
+                largest = largest.max(f64::from(weighted.mean().abs()));
+            }
         }
-    }
-    let per_pixel = f64::from(settings.samples) * f64::from(settings.replicates);
-    let sum: f64 = pixels.iter().map(|p| p.mean.iter().sum::<f64>() / 3.0).sum::<f64>() * per_pixel;
-    let largest = finished.iter().map(|t| t.largest).fold(0.0, f64::max);
-    Rendering {
-        width,
-        height,
-        pixels,
-        largest_share: if sum > 0.0 { largest / sum } else { 0.0 },
-        dropped: finished.iter().map(|t| t.dropped).sum(),
+        TileSums::new(&sums, largest, batch.dropped)
     }
 }

@@ -2,31 +2,57 @@
 
 use crate::math::Rgb;
 
-/// Sums in f64 along a fixed binary tree over the order in which values come.
+/// Sums in f64 along a fixed binary tree over the indices of the values.
 ///
-/// Two sums over aligned power-of-two blocks join to the same bits as one sum over both. The rounding error grows
-/// with the logarithm of the count, not with the count.
-#[derive(Debug, Clone, Default)]
+/// The tree's nodes are the blocks [k·2ˡ, (k + 1)·2ˡ). The sum of a range holds the largest nodes inside it, so that
+/// two sums of adjoining ranges join to the same bits as one sum over both. The rounding error grows with the
+/// logarithm of the count, not with the count.
+#[derive(Debug, Clone)]
 struct TreeSum {
-    /// Sums of complete subtrees, largest first; bit k of `count` says whether there is one of 2ᵏ values.
-    levels: Vec<[f64; 4]>,
-    count: u64,
+    start: u64,
+    end: u64,
+    /// Levels and sums of complete nodes, in the order of their indices.
+    nodes: Vec<(u32, [f64; 4])>,
 }
 
 impl TreeSum {
-    fn push(&mut self, value: [f64; 4]) {
-        let mut sum = value;
-        for _ in 0..self.count.trailing_ones() {
-            let left = self.levels.pop().expect("one subtree for each bit set in the count");
+    /// Nothing yet, before the value of index `start`.
+    fn new(start: u64) -> Self {
+        Self { start, end: start, nodes: Vec::new() }
+    }
+
+    /// Adds a node of 2^`level` values that follow on those here, and joins what makes up larger nodes.
+    fn append(&mut self, mut level: u32, mut sum: [f64; 4]) {
+        self.end += 1 << level;
+        while let Some(&(left_level, left)) = self.nodes.last()
+            && left_level == level
+            && self.end.trailing_zeros() > level
+        {
+            self.nodes.pop();
             sum = add(left, sum);
+            level += 1;
         }
-        self.levels.push(sum);
-        self.count += 1;
+        self.nodes.push((level, sum));
+    }
+
+    fn count(&self) -> u64 {
+        self.end - self.start
     }
 
     fn total(&self) -> [f64; 4] {
-        self.levels.iter().rev().fold([0.0; 4], |sum, &level| add(level, sum))
+        self.nodes.iter().rev().fold([0.0; 4], |sum, &(_, node)| add(node, sum))
     }
+}
+
+/// The levels of the nodes of a sum over the indices `start` to `end` − 1.
+pub(super) fn levels([start, end]: [u64; 2]) -> Vec<u32> {
+    let (mut at, mut levels) = (start, Vec::new());
+    while at < end {
+        let level = (end - at).ilog2().min(at.trailing_zeros());
+        levels.push(level);
+        at += 1 << level;
+    }
+    levels
 }
 
 fn add(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
@@ -42,13 +68,31 @@ pub struct PixelSum {
 impl PixelSum {
     /// No samples yet, for `replicates` independent randomisations.
     pub fn new(replicates: u32) -> Self {
-        Self { replicates: vec![TreeSum::default(); replicates as usize] }
+        Self::starting_at(replicates, 0)
+    }
+
+    /// No samples yet; the first of each replicate has index `start`.
+    pub fn starting_at(replicates: u32, start: u32) -> Self {
+        Self { replicates: vec![TreeSum::new(u64::from(start)); replicates as usize] }
+    }
+
+    /// Its sums as numbers: replicate by replicate, four for each node in the order of [`levels`].
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.replicates.iter().flat_map(|sum| sum.nodes.iter().flat_map(|(_, node)| *node))
+    }
+
+    /// Adds sums over the samples that follow, given as [`Self::numbers`] gives them.
+    pub(super) fn append(&mut self, levels: &[u32], numbers: &[f64]) {
+        let mut nodes = numbers.as_chunks().0.iter();
+        for sum in &mut self.replicates {
+            levels.iter().zip(nodes.by_ref()).for_each(|(&level, &node)| sum.append(level, node));
+        }
     }
 
     /// Adds a sample of `replicate`: its radiance already multiplied by `weight`.
     pub fn push(&mut self, replicate: u32, weighted: Rgb, weight: f32) {
         let [r, g, b] = weighted.to_array().map(f64::from);
-        self.replicates[replicate as usize].push([r, g, b, f64::from(weight)]);
+        self.replicates[replicate as usize].append(0, [r, g, b, f64::from(weight)]);
     }
 
     /// The pixel's value: each replicate's Σ(w·L) / n, or Σ(w·L) / Σw if `by_weight`, and their mean.
@@ -58,7 +102,7 @@ impl PixelSum {
             .iter()
             .map(|sum| {
                 let [r, g, b, w] = sum.total();
-                let divisor = if by_weight { w } else { sum.count as f64 };
+                let divisor = if by_weight { w } else { sum.count() as f64 };
                 if divisor == 0.0 { [0.0; 3] } else { [r / divisor, g / divisor, b / divisor] }
             })
             .collect();
@@ -70,7 +114,7 @@ impl PixelSum {
                 (squares / (n * (n - 1.0))).sqrt()
             })
         });
-        PixelEstimate { mean, standard_error, samples: self.replicates.iter().map(|s| s.count).sum() }
+        PixelEstimate { mean, standard_error, samples: self.replicates.iter().map(TreeSum::count).sum() }
     }
 }
 
@@ -89,25 +133,32 @@ pub struct PixelEstimate {
 mod tests {
     use super::*;
 
+    fn sum_of(values: &[[f64; 4]], start: u64) -> TreeSum {
+        let mut tree = TreeSum::new(start);
+        values.iter().for_each(|&v| tree.append(0, v));
+        tree
+    }
+
     #[test]
-    fn blocks_join_to_the_same_bits() {
+    fn adjoining_ranges_join_to_the_same_bits_wherever_they_are_cut() {
         let values: Vec<[f64; 4]> =
-            (1..=24).map(|i| [1.0 / f64::from(i), 0.1 * f64::from(i), 1e-9, 1.0]).collect();
-        let sum = |values: &[[f64; 4]]| {
-            let mut tree = TreeSum::default();
-            values.iter().for_each(|&v| tree.push(v));
-            tree
-        };
-        let blocks = add(sum(&values[..16]).total(), sum(&values[16..]).total());
-        assert_eq!(sum(&values).total(), blocks);
+            (1..=77).map(|i| [1.0 / f64::from(i), 0.1 * f64::from(i), 1e-9, 1.0]).collect();
+        let whole = sum_of(&values, 0);
+        for cut in 0..=77 {
+            let mut joined = sum_of(&values[..cut], 0);
+            let second = sum_of(&values[cut..], cut as u64);
+            let found: Vec<u32> = second.nodes.iter().map(|(level, _)| *level).collect();
+            assert_eq!(found, levels([cut as u64, 77]), "cut at {cut}");
+            second.nodes.iter().for_each(|&(level, sum)| joined.append(level, sum));
+            assert_eq!((joined.total(), joined.count()), (whole.total(), 77), "cut at {cut}");
+        }
     }
 
     #[test]
     fn a_long_sum_of_equal_values_is_exact_to_a_few_roundings() {
-        let mut tree = TreeSum::default();
-        (0..1 << 20).for_each(|_| tree.push([0.1, 0.0, 0.0, 1.0]));
-        assert_eq!(tree.total()[0], 0.1 * f64::from(1 << 20)); // a power of two times 0.1: the tree doubles exactly
-        assert_eq!(tree.total()[3], f64::from(1 << 20));
+        let total = sum_of(&vec![[0.1, 0.0, 0.0, 1.0]; 1 << 20], 0).total();
+        assert_eq!(total[0], 0.1 * f64::from(1 << 20)); // a power of two times 0.1: the tree doubles exactly
+        assert_eq!(total[3], f64::from(1 << 20));
     }
 
     #[test]

@@ -4,9 +4,11 @@ use crate::error::ParamError;
 
 pub mod estimate;
 pub mod filter;
+pub mod part;
 
 pub use estimate::{PixelEstimate, PixelSum};
 pub use filter::{Filter, FilterSampler};
+pub use part::{Part, Tile, TileSums};
 
 /// How the samples of a pixel become its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
-/// Most pixels of an image that is read or asked for: 2^28, three gigabytes of radiance.
-pub const MAX_PIXELS: u64 = 1 << 28;
+use crate::film::Film;
+
+/// Most pixels of an image that is read or asked for.
+pub const MAX_PIXELS: u64 = Film::MAX_PIXELS;
 
 /// Linear sRGB radiance per pixel, rows from the top, with what is known about its error.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -5,6 +5,7 @@ pub mod image;
 pub mod mesh;
 pub mod mitsuba;
 mod obj;
+pub mod part;
 mod ply;
 pub mod png;
 pub mod rendering;

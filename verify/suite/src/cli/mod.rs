@@ -8,6 +8,7 @@ use clap::{Parser, Subcommand};
 mod compare;
 mod effects;
 mod error;
+mod merge;
 mod output;
 mod page;
 mod render;
@@ -35,6 +36,7 @@ Examples:
   lightproof effects scene.xml                what do its effects cost?
   lightproof compare ours.exr theirs.exr      are these the same image?
   lightproof samples lens.npy --domain disk     do these points follow their density?
+  lightproof merge a.part b.part -o scene.exr join ranges of samples
   lightproof page report.json -o page.html    make the page again from its data
 
 Status: 0 everything holds; 1 something fails or is undecided; 2 it could not run.";
@@ -56,6 +58,7 @@ enum Command {
     Effects(effects::Args),
     Compare(compare::Args),
     Samples(samples::Args),
+    Merge(merge::Args),
     Page(page::Args),
 }
 
@@ -68,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Effects(args) => effects::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Samples(args) => samples::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Page(args) => page::run(&args),
     };
     match result {

@@ -1,24 +1,34 @@
 //! `lightproof render`: a scene file becomes an image with its errors.
 
 use std::io::{IsTerminal, Write, stderr};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::builder::PossibleValuesParser;
 use indicatif::{ProgressBar, ProgressStyle};
-use renderer::film::Reconstruction;
+use renderer::film::{Part, Reconstruction};
 use renderer::integrator::PathTracer;
-use renderer::io::{self, Provenance};
+use renderer::io;
+use renderer::io::part::Origin;
 use renderer::render::{self, RenderSettings, Rendering};
 use renderer::sampling::SamplerKind;
 use renderer::scene::{Branch, Effect, IntegratorSettings, Scene, SceneDescription};
 
+mod checkpoint;
+
 use super::{CliError, Status};
+use checkpoint::Checkpoint;
 
 const EXAMPLES: &str = "Examples:
   lightproof render references/scenes/cornell.xml
   lightproof render scene.xml -o preview.png --spp 16 -D res=128
   lightproof render glass.xml --integrator distribution --branch both --replicates 32
+  lightproof render scene.xml --spp 4096 --resume          go on where a run was cut off
+  lightproof render scene.xml --spp 64 --samples 0..8 -o first.part
 
+A run keeps a checkpoint beside its output, from the tenth second until it is done (--checkpoint). Samples are counted in each
+replicate: of --spp 64 in 4 replicates, each has 0..16; parts of them are joined by `merge`, to the same bits.
 An .exr file holds R G B, their standard errors (stderr.R stderr.G stderr.B) and the number of samples, and says how
 it was made; a .png is for looking at. The result is the same for any number of threads.";
 
@@ -28,7 +38,7 @@ it was made; a .png is for looking at. The result is the same for any number of 
 pub(super) struct Args {
     /// The scene
     scene: PathBuf,
-    /// The image, .exr or .png [default: the scene's name with .exr]
+    /// The image, .exr or .png, or samples to be merged, .part [default: the scene's name with .exr, or .part with --samples]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Samples per pixel [default: the scene's]
@@ -55,6 +65,15 @@ pub(super) struct Args {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    /// Only these samples of each replicate, written as a .part for `merge`
+    #[arg(long, value_name = "A..B", value_parser = range)]
+    samples: Option<Range<u32>>,
+    /// Goes on from the checkpoint of a run of the same scene and options that was cut off, if there is one
+    #[arg(long)]
+    resume: bool,
+    /// Seconds from one checkpoint to the next
+    #[arg(long, value_name = "SECS", default_value_t = 10.0, value_parser = seconds)]
+    checkpoint: f64,
     /// Threads [default: one a core]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     threads: usize,
@@ -70,46 +89,114 @@ pub(super) fn definition(text: &str) -> Result<(String, String), String> {
     }
 }
 
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|seconds| (0.0..=1e9).contains(seconds));
+    number.ok_or_else(|| "0 to 1e9 is accepted".into())
+}
+
+fn range(text: &str) -> Result<Range<u32>, String> {
+    let both = text.split_once("..").and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));
+    both.filter(|range: &Range<u32>| !range.is_empty())
+        .ok_or_else(|| "A..B with A below B is accepted, as in 0..8".into())
+}
+
 /// Runs the command.
 pub(super) fn run(args: &Args) -> Result<Status, CliError> {
-    let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("exr"));
-    let encode = encoder(&output)?;
+    let ending = if args.samples.is_some() { "part" } else { "exr" };
+    let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension(ending));
+    let kind = Kind::of(&output, args.samples.is_some())?;
     let (mut description, notes) = io::mitsuba::read_scene(&args.scene, &args.define)?;
     for note in notes {
         writeln!(stderr(), "note: {note}")?;
     }
     apply(args, &mut description)?;
-    let [samples, replicates] = RenderSettings::split(description.sampler.spp, args.replicates);
-    let settings = RenderSettings {
-        sampler: description.sampler.kind,
-        samples,
-        replicates,
-        seed: args.seed,
-        threads: args.threads,
-    };
+    let settings = settings(args, &description);
+    let part = empty_part(args, &description, &settings)?;
+    let how = format!("{:?} {:?} {:?}", description.integrator, description.film, args.without);
+    let origin = Origin::new(description.hash, &settings, &how, description.film.reconstruction);
+    let checkpoint = Checkpoint::beside(&output, origin.clone(), Duration::from_secs_f64(args.checkpoint));
+    let part = if args.resume { checkpoint.resume(part)? } else { part };
     let scene = Scene::new(&description)?;
     let integrator = PathTracer { settings: description.integrator };
     let bar = progress_bar();
     let start = std::time::Instant::now();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 1000 steps")]
-    let progress = |share: f64| bar.set_position((share * 1000.0) as u64);
-    let rendering = render::render(&scene, &integrator, &settings, &progress)?;
+    let watch = |part: &Part| {
+        bar.set_position((part.share() * 1000.0) as u64);
+        checkpoint.watch(part, &bar);
+    };
+    let part = render::go_on(&scene, &integrator, &settings, part, &watch)?;
     bar.finish_and_clear();
-    encode(
-        &output,
-        &io::rendering::image(&rendering, Provenance::of(description.hash, &settings, &rendering)),
-    )?;
+    let rendering = Rendering::of(&part, origin.reconstruction());
+    let image = || io::rendering::image(&rendering, origin.provenance(&part, &rendering));
+    match kind {
+        Kind::Exr => io::exr::write(&output, &image())?,
+        Kind::Png => io::png::write(&output, &image(), 0.0)?,
+        Kind::Part => io::part::write(&output, &origin, &part)?,
+    }
+    checkpoint.remove()?;
     summarise(&rendering, &output, start.elapsed().as_secs_f64())?;
     Ok(Status::Good)
 }
 
-type Encode = fn(&Path, &io::Image) -> Result<(), renderer::Error>;
+/// What is written.
+#[derive(Clone, Copy)]
+enum Kind {
+    Exr,
+    Png,
+    Part,
+}
 
-fn encoder(output: &Path) -> Result<Encode, CliError> {
-    match output.extension().and_then(|e| e.to_str()) {
-        Some("exr") => Ok(io::exr::write),
-        Some("png") => Ok(|path, image| io::png::write(path, image, 0.0)),
-        _ => Err(CliError::Kind { path: output.into(), accepted: ".exr or .png" }),
+impl Kind {
+    fn of(output: &Path, only_part: bool) -> Result<Self, CliError> {
+        let refuse = |accepted| Err(CliError::Kind { path: output.into(), accepted });
+        match (output.extension().and_then(|e| e.to_str()), only_part) {
+            (Some("part"), _) => Ok(Self::Part),
+            (_, true) => refuse("with --samples, .part"),
+            (Some("exr"), false) => Ok(Self::Exr),
+            (Some("png"), false) => Ok(Self::Png),
+            _ => refuse(".exr, .png or .part"),
+        }
+    }
+}
+
+fn settings(args: &Args, description: &SceneDescription) -> RenderSettings {
+    let [samples, replicates] = RenderSettings::split(description.sampler.spp, args.replicates);
+    RenderSettings {
+        sampler: description.sampler.kind,
+        samples,
+        replicates,
+        seed: args.seed,
+        threads: args.threads,
+    }
+}
+
+/// The samples asked for, none of them taken yet; refused where they don't fit into the memory.
+fn empty_part(
+    args: &Args,
+    description: &SceneDescription,
+    settings: &RenderSettings,
+) -> Result<Part, CliError> {
+    let range = args.samples.clone().unwrap_or(0..settings.samples);
+    if range.end > settings.samples {
+        return Err(CliError::Arguments(format!(
+            "--samples {}..{}: each of {} replicates has {} samples; a range in 0..{} is accepted",
+            range.start, range.end, settings.replicates, settings.samples, settings.samples
+        )));
+    }
+    let film = &description.film;
+    let part = Part::new([film.width, film.height], settings.replicates, [range.start, range.end]);
+    let needed = part.bytes();
+    match checkpoint::available_memory() {
+        Some(available) if needed > available => Err(CliError::Arguments(format!(
+            "a film of {} × {} pixels in {} replicates needs {:.1} GiB, and {:.1} GiB are free",
+            film.width,
+            film.height,
+            settings.replicates,
+            needed as f64 / f64::from(1 << 30),
+            available as f64 / f64::from(1 << 30)
+        ))),
+        _ => Ok(part),
     }
 }
 
@@ -143,12 +230,12 @@ fn progress_bar() -> ProgressBar {
     if !stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} of {duration}")
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} of {duration}  {msg}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(1000).with_style(style)
 }
 
-fn summarise(rendering: &Rendering, output: &Path, seconds: f64) -> Result<(), CliError> {
+pub(super) fn summarise(rendering: &Rendering, output: &Path, seconds: f64) -> Result<(), CliError> {
     let (mut sum, mut variance, mut known) = (0.0, 0.0, true);
     for pixel in &rendering.pixels {
         sum += pixel.mean.iter().sum::<f64>();

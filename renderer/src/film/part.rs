@@ -1,0 +1,239 @@
+//! A render that isn't whole: some tiles, or some of the samples.
+
+use super::estimate::{PixelEstimate, PixelSum, levels};
+use crate::error::ParamError;
+
+/// Side of a tile in pixels.
+const TILE: u32 = 16;
+
+/// A rectangle of pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tile {
+    /// Columns, from the first to before the second.
+    pub x: [u32; 2],
+    /// Rows, likewise.
+    pub y: [u32; 2],
+}
+
+impl Tile {
+    /// The tiles of a film, row by row.
+    pub fn all([width, height]: [u32; 2]) -> Vec<Self> {
+        let cuts = |size: u32| (0..size).step_by(TILE as usize).map(move |a| [a, (a + TILE).min(size)]);
+        cuts(height).flat_map(|y| cuts(width).map(move |x| Self { x, y })).collect()
+    }
+
+    /// Its pixels, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let ([x0, x1], [y0, y1]) = (self.x, self.y);
+        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y]))
+    }
+
+    /// The place of a pixel among its pixels.
+    pub fn place(&self, [x, y]: [u32; 2]) -> usize {
+        ((y - self.y[0]) * (self.x[1] - self.x[0]) + x - self.x[0]) as usize
+    }
+}
+
+/// The samples of a tile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TileSums {
+    /// For each pixel and replicate the sums of its nodes: Σw·R, Σw·G, Σw·B, Σw.
+    pub sums: Vec<f64>,
+    /// Largest absolute value of a weighted sample, the mean of its channels.
+    pub largest: f64,
+    /// Contributions left out because they were not finite.
+    pub dropped: u64,
+}
+
+impl TileSums {
+    /// Of the pixels of a tile.
+    pub fn new(pixels: &[PixelSum], largest: f64, dropped: u64) -> Self {
+        Self { sums: pixels.iter().flat_map(PixelSum::numbers).collect(), largest, dropped }
+    }
+}
+
+/// Samples of an image: a range of each replicate's, for the tiles that are finished.
+///
+/// Parts over adjoining ranges join to the same bits as one over both.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Independent randomisations.
+    pub replicates: u32,
+    /// Indices of the samples of each replicate, from the first to before the second.
+    pub range: [u32; 2],
+    tiles: Vec<Option<TileSums>>,
+    finished: usize,
+}
+
+impl Part {
+    /// Nothing yet.
+    pub fn new(size: [u32; 2], replicates: u32, range: [u32; 2]) -> Self {
+        Self { size, replicates, range, tiles: vec![None; Tile::all(size).len()], finished: 0 }
+    }
+
+    /// How many numbers the sums of each tile are, in the order of [`Tile::all`].
+    pub fn lengths(&self) -> Vec<usize> {
+        let per_pixel = self.per_pixel();
+        Tile::all(self.size).iter().map(|tile| tile.pixels().count() * per_pixel).collect()
+    }
+
+    /// Memory that it takes once it is complete.
+    pub fn bytes(&self) -> u64 {
+        let [width, height] = self.size.map(u64::from);
+        width * height * 8 * self.per_pixel() as u64
+    }
+
+    /// Numbers a pixel has.
+    fn per_pixel(&self) -> usize {
+        4 * self.levels().len() * self.replicates as usize
+    }
+
+    fn levels(&self) -> Vec<u32> {
+        levels(self.range.map(u64::from))
+    }
+
+    /// Each tile's samples once it is finished, in the order of [`Tile::all`].
+    pub fn tiles(&self) -> &[Option<TileSums>] {
+        &self.tiles
+    }
+
+    /// Puts in the samples of a tile; a tile that is there stays as it is.
+    pub fn finish(&mut self, tile: usize, sums: TileSums) {
+        debug_assert_eq!(self.lengths()[tile], sums.sums.len());
+        if self.tiles[tile].is_none() {
+            self.finished += 1;
+            self.tiles[tile] = Some(sums);
+        }
+    }
+
+    /// The share of the tiles that are finished.
+    pub fn share(&self) -> f64 {
+        self.finished as f64 / self.tiles.len() as f64
+    }
+
+    /// Whether every tile is finished.
+    pub fn is_complete(&self) -> bool {
+        self.finished == self.tiles.len()
+    }
+
+    /// Largest absolute value of a weighted sample.
+    pub fn largest(&self) -> f64 {
+        self.tiles.iter().flatten().map(|t| t.largest).fold(0.0, f64::max)
+    }
+
+    /// Contributions left out because they were not finite.
+    pub fn dropped(&self) -> u64 {
+        self.tiles.iter().flatten().map(|t| t.dropped).sum()
+    }
+
+    /// Adds the samples that follow on these.
+    ///
+    /// # Errors
+    /// Parts of other images, parts with tiles missing, and ranges that don't adjoin.
+    pub fn join(&self, next: &Self) -> Result<Self, ParamError> {
+        let refused = |name, value, accepted| Err(ParamError::OutOfRange { name, value, accepted });
+        if (self.size, self.replicates) != (next.size, next.replicates) {
+            let pixels = f64::from(next.size[0]) * f64::from(next.size[1]);
+            return refused("pixels of the next part", pixels, "the same film and number of replicates");
+        }
+        if next.range[0] != self.range[1] {
+            let first = f64::from(next.range[0]);
+            return refused("first sample of the next part", first, "the one after the last of this part");
+        }
+        if !(self.is_complete() && next.is_complete()) {
+            return refused("share that is finished", self.share().min(next.share()), "1");
+        }
+        let tiles = self.tiles.iter().zip(&next.tiles).map(|pair| match pair {
+            (Some(first), Some(second)) => Some(self.joined(first, second, next)),
+            _ => None,
+        });
+        Ok(Self { range: [self.range[0], next.range[1]], tiles: tiles.collect(), ..self.clone() })
+    }
+
+    fn joined(&self, first: &TileSums, second: &TileSums, next: &Self) -> TileSums {
+        let rest = second.sums.chunks_exact(next.per_pixel());
+        let pixels: Vec<PixelSum> = self
+            .pixels_of(first)
+            .zip(rest)
+            .map(|(mut pixel, numbers)| {
+                pixel.append(&next.levels(), numbers);
+                pixel
+            })
+            .collect();
+        TileSums::new(&pixels, first.largest.max(second.largest), first.dropped + second.dropped)
+    }
+
+    fn pixels_of<'a>(&'a self, tile: &'a TileSums) -> impl Iterator<Item = PixelSum> + 'a {
+        let levels = self.levels();
+        tile.sums.chunks_exact(self.per_pixel()).map(move |numbers| {
+            let mut pixel = PixelSum::starting_at(self.replicates, self.range[0]);
+            pixel.append(&levels, numbers);
+            pixel
+        })
+    }
+
+    /// Every pixel's estimate, row by row from the top; pixels of tiles that are missing have no samples.
+    ///
+    /// * `by_weight`: divided by Σw instead of by the number of samples.
+    pub fn estimates(&self, by_weight: bool) -> Vec<PixelEstimate> {
+        let [width, height] = self.size;
+        let empty = PixelEstimate { mean: [0.0; 3], standard_error: None, samples: 0 };
+        let mut image = vec![empty; width as usize * height as usize];
+        for (tile, sums) in Tile::all(self.size).iter().zip(&self.tiles) {
+            let Some(sums) = sums else { continue };
+            for ([x, y], pixel) in tile.pixels().zip(self.pixels_of(sums)) {
+                image[y as usize * width as usize + x as usize] = pixel.estimate(by_weight);
+            }
+        }
+        image
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Rgb;
+
+    fn part(range: [u32; 2]) -> Part {
+        let mut part = Part::new([20, 17], 2, range);
+        for (index, tile) in Tile::all(part.size).iter().enumerate() {
+            let pixel = |[x, y]: [u32; 2]| {
+                let mut sum = PixelSum::starting_at(2, range[0]);
+                for (replicate, index) in (0..2).flat_map(|r| (range[0]..range[1]).map(move |i| (r, i))) {
+                    sum.push(
+                        replicate,
+                        Rgb::splat(1.0 / (x + 3 * y + 7 * index + replicate + 1) as f32),
+                        1.0,
+                    );
+                }
+                sum
+            };
+            let pixels: Vec<PixelSum> = tile.pixels().map(pixel).collect();
+            part.finish(index, TileSums::new(&pixels, f64::from(range[0]), 1));
+        }
+        part
+    }
+
+    #[test]
+    fn parts_join_to_the_whole_bit_for_bit() {
+        let whole = part([0, 13]);
+        for cut in [1, 8, 12] {
+            let joined = part([0, cut]).join(&part([cut, 13])).unwrap();
+            assert_eq!(joined.estimates(false), whole.estimates(false), "cut at {cut}");
+            assert_eq!(
+                joined.lengths(),
+                joined.tiles.iter().flatten().map(|t| t.sums.len()).collect::<Vec<_>>()
+            );
+        }
+        assert!(whole.estimates(false).iter().all(|p| p.samples == 26));
+    }
+
+    #[test]
+    fn parts_that_do_not_belong_together_are_refused() {
+        assert!(part([0, 4]).join(&part([5, 8])).is_err());
+        assert!(part([0, 4]).join(&Part::new([20, 17], 2, [4, 8])).is_err());
+        assert!(part([0, 4]).join(&Part { replicates: 3, ..part([4, 8]) }).is_err());
+    }
+}
