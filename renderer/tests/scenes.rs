@@ -182,7 +182,7 @@ fn films_of_no_or_too_many_pixels_are_refused() {
     );
     expect_parts(
         &film(r#"<rfilter type="sinc"/>"#),
-        &["s.xml:2:31: rfilter plugin 'sinc'", "box, gaussian, mitchell, tent"],
+        &["s.xml:2:31: rfilter plugin 'sinc'", "box, catmullrom, gaussian, lanczos, mitchell, tent"],
     );
 }
 

@@ -13,7 +13,7 @@ use crate::ray::Ray;
 
 pub mod shutter;
 
-pub use shutter::Shutter;
+pub use shutter::{Opening, Shutter};
 
 /// Which image coordinate an angle of view spans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

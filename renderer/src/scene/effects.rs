@@ -84,7 +84,7 @@ impl SceneDescription {
             }
             Effect::Shutter => {
                 let open = self.camera.shutter.open;
-                self.camera.shutter = Shutter { open, close: open };
+                self.camera.shutter = Shutter { close: open, ..self.camera.shutter };
             }
             Effect::AreaLight => self.objects.iter_mut().for_each(|o| o.radiance = Rgb::BLACK),
             Effect::Rough => {

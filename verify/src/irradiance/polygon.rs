@@ -9,7 +9,7 @@ use super::{Receiver, along, cross, dot, length, minus};
 /// Returns: W m⁻² per W m⁻² sr⁻¹; 0 for fewer than three vertices above the horizon.
 ///
 /// # Precision, limits
-/// Terms cancel for small polygons: about 2e-16 over the polygon's size in radians, relative to 1.
+/// The edges' terms cancel for small polygons: relative to the result, about 2e-16 over the polygon's size in radians.
 ///
 /// # Source
 /// Lambert 1760; Arvo 1995, "Analytic Methods for Simulated Light Transport", chapter 4. Clipping: Sutherland and Hodgman 1974,
@@ -19,7 +19,8 @@ pub fn from_polygon(receiver: Receiver, vertices: &[[f64; 3]]) -> f64 {
     let seen = above_horizon(receiver, vertices);
     let edge = |i: usize| {
         let (a, b) = (seen[i], seen[(i + 1) % seen.len()]);
-        let normal = cross(a, b);
+        // a × (b − a) = a × b, without the cancellation of two long products where the edge is short
+        let normal = cross(a, minus(b, a));
         let sine = length(normal);
         if sine == 0.0 { 0.0 } else { sine.atan2(dot(a, b)) / sine * dot(normal, receiver.normal) }
     };
@@ -85,6 +86,16 @@ mod tests {
         // A square of half-width x at height 1 misses less than a disk of radius x does: π/(1 + x²).
         let missing = std::f64::consts::PI - from_polygon(receiver, &square(1e4, 1.0));
         assert!(missing > 0.0 && missing < std::f64::consts::PI * 1e-8);
+    }
+
+    #[test]
+    fn a_small_square_keeps_its_digits() {
+        let receiver = Receiver { position: [0.0; 3], normal: [0.0, 0.0, 1.0] };
+        let (h, x) = (1e-5, 0.75);
+        let square = [[x - h, -h, 1.0], [x + h, -h, 1.0], [x + h, h, 1.0], [x - h, h, 1.0]];
+        // Area·cos²θ/r² = 4h²/(1 + x²)², off by the squared size: 1e-10; corners are rounded by 1e-16/1e-5.
+        let ratio = from_polygon(receiver, &square) / (4.0 * h * h / (1.0 + x * x).powi(2));
+        assert!((ratio - 1.0).abs() < 2e-10, "{ratio}");
     }
 
     proptest! {

@@ -101,3 +101,37 @@ pub const LINEAR_COMPLEXITY: f64 = 16.0;
 
 /// Largest relative difference between the means of a scene and of the same scene far away, scaled or mirrored.
 pub const INVARIANCE: f64 = 0.002;
+
+/// Largest error of a pixel against its exact value, in units of the brightest.
+pub const PIXEL: f64 = 0.002;
+
+/// The same at the quick level, whose images are a few hundredths of the work.
+pub const PIXEL_QUICK: f64 = 0.02;
+
+/// Largest error of the variance of an image of constant light, relative: tables of the filter leave weights off by 0.5 % next to a root.
+pub const WEIGHT_VARIANCE: f64 = 0.02;
+
+/// Largest error of the bias of the weighted average, in units of the bias.
+pub const RATIO_BIAS: f64 = 0.2;
+
+/// Largest error of a pixel behind a filter with large negative lobes, whose signed weights leave four times the noise.
+pub const SIGNED_PIXEL: f64 = 0.005;
+
+/// Largest relative error of the flux of a film.
+pub const FLUX: f64 = 0.002;
+
+/// Largest relative error of the flux and of the second moment of an image out of focus, whose noise at equal time is four times that of
+/// one in focus.
+pub const SPREAD: f64 = 0.01;
+
+/// Largest error of the variance of picking a branch, in units of that of two halves.
+pub const BRANCH_VARIANCE: f64 = 0.02;
+
+/// Largest relative error of an integrating sphere's radiance: paths of many bounces in the uneven light of points.
+pub const INTEGRATING_SPHERE: f64 = 0.01;
+
+/// Largest relative error of the number of rays under roulette.
+pub const ROULETTE: f64 = 0.005;
+
+/// Largest difference between a variance and twice that of twice the samples, relative.
+pub const HALVED: f64 = 0.1;

@@ -3,6 +3,7 @@
 //! [`claims`] lists what is asserted, [`runner`] runs it, [`report`] keeps what was found as data, [`page`] draws it and [`cli`] is the
 //! program around them.
 
+pub mod analytic;
 pub mod bounds;
 pub mod claims;
 pub mod cli;

@@ -145,6 +145,38 @@ pub fn spot(
     }
 }
 
+/// A scene seen along −z by parallel rays, one unit of length a pixel, with the origin in the middle of the film: x runs to
+/// the right and y upwards. Lights only.
+pub fn flat(size: [u32; 2], objects: Vec<ObjectSettings>) -> SceneDescription {
+    flat_at(10.0, 1.0, size, objects)
+}
+
+/// The same from the height `eye`, with pixels of the side `pixel`.
+pub fn flat_at(eye: f64, pixel: f64, size: [u32; 2], objects: Vec<ObjectSettings>) -> SceneDescription {
+    let emission = IntegratorSettings { max_depth: Some(1), ..IntegratorSettings::DIRECT };
+    let mut description = spot(eye * DVec3::Z, DVec3::ZERO, objects, emission);
+    let half = 0.5 * pixel * f64::from(size[0]);
+    let view = look(eye * DVec3::Z, DVec3::ZERO, DVec3::Y);
+    description.camera.projection = Projection::Orthographic;
+    description.camera.to_world = fixed(view * DAffine3::from_scale(DVec3::new(half, half, 1.0)));
+    description.film = FilmSettings { width: size[0], height: size[1], ..description.film };
+    description
+}
+
+/// The middles of the pixels of [`flat`], row by row.
+pub fn pixel_middles([width, height]: [u32; 2]) -> Vec<[f64; 2]> {
+    let x = move |i: u32| f64::from(i) + 0.5 - 0.5 * f64::from(width);
+    let y = move |j: u32| 0.5 * f64::from(height) - f64::from(j) - 0.5;
+    (0..height).flat_map(|j| (0..width).map(move |i| [x(i), y(j)])).collect()
+}
+
+/// A lamp that fills the half-plane x cos φ + y sin φ < `distance` of the plane z = 0, as far as 1000 units.
+pub fn half_plane(distance: f64, angle: f64) -> ObjectSettings {
+    let normal = DVec3::new(angle.cos(), angle.sin(), 0.0);
+    let along = DVec3::Z.cross(normal);
+    lamp(ShapeSettings::Rectangle, rectangle_at((distance - 1e3) * normal, 1e3 * normal, 1e3 * along))
+}
+
 /// A white diffuse receiver at the origin with its normal along +z, lit by `lamps`, and an eye close to it: its
 /// radiance times π is the irradiance at the origin.
 ///

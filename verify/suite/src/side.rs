@@ -12,6 +12,12 @@ use crate::cli::CliError;
 /// Name of the text that holds the number of replicates in files of other programs.
 const REPLICATES: &str = "lightproof.replicates";
 
+/// What it holds in an image that is known exactly, whose standard errors are all 0.
+const EXACT: &str = "exact";
+
+/// Replicates of an exact image: so many that an error of 0 has no uncertainty of its own (beyond 10⁶ Student's t is the normal's).
+const KNOWN: u64 = 1 << 52;
+
 /// By how much a tile's mean over seeds may differ from its pixels' sum, relative: pixels are single precision, each off by 2⁻²⁴ at most.
 const ROUNDING: f64 = 1e-6;
 
@@ -23,6 +29,8 @@ pub(crate) struct Side {
     pub(crate) width: usize,
     /// Mean of each pixel over channels and files, row by row.
     pub(crate) grey: Vec<f64>,
+    /// Whether it says that it is exact.
+    pub(crate) exact: bool,
 }
 
 /// What a JSON file beside an image says; further members are not looked at.
@@ -67,7 +75,9 @@ impl Side {
         let grey = |pixel: usize| {
             values.iter().map(|file| file[3 * pixel..3 * pixel + 3].iter().sum::<f64>()).sum::<f64>() / count
         };
-        Ok(Self { image, width: first.width, grey: (0..first.rgb.len()).map(grey).collect() })
+        let says_exact = first.metadata.texts.get(REPLICATES).is_some_and(|text| text.trim() == EXACT);
+        let exact = files.len() == 1 && says_exact;
+        Ok(Self { image, width: first.width, grey: (0..first.rgb.len()).map(grey).collect(), exact })
     }
 }
 
@@ -86,16 +96,26 @@ fn single(path: &Path, file: &renderer::io::Image, values: &[f64]) -> Result<Ima
     }
 }
 
-/// The number of replicates that a file with standard errors says it has.
+/// The number of replicates that a file with standard errors says it has; [`KNOWN`] for one that says it is exact.
 fn replicates(path: &Path, file: &renderer::io::Image) -> Result<u64, CliError> {
     if let Some(provenance) = &file.metadata.provenance {
         return Ok(u64::from(provenance.replicates));
     }
     let text = file.metadata.texts.get(REPLICATES);
+    if text.is_some_and(|text| text.trim() == EXACT) {
+        let error = file.stderr.iter().flatten().flatten().find(|&&error| error != 0.0);
+        return match error {
+            None => Ok(KNOWN),
+            Some(error) => Err(CliError::Arguments(format!(
+                "{}: its attribute {REPLICATES} is {EXACT:?}, but it has a standard error of {error}; 0 is accepted",
+                path.display()
+            ))),
+        };
+    }
     text.and_then(|text| text.trim().parse().ok()).ok_or_else(|| {
         let found = text.map_or(String::from("missing"), |text| format!("{text:?}"));
         CliError::Arguments(format!(
-            "{}: it has standard errors, but its attribute {REPLICATES} is {found}; the number of independent replicates is accepted",
+            "{}: it has standard errors, but its attribute {REPLICATES} is {found}; the number of independent replicates, or \"exact\" with errors of 0, is accepted",
             path.display()
         ))
     })

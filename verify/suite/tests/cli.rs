@@ -44,7 +44,8 @@ fn assert_refused(output: &Output, parts: &[&str]) {
 
 #[test]
 fn every_command_has_help_with_examples() {
-    for command in [&[][..], &["verify"], &["render"], &["effects"], &["compare"], &["samples"], &["page"]] {
+    let commands = ["verify", "render", "effects", "compare", "analytic", "samples", "page"];
+    for command in [&[][..]].into_iter().chain(commands.iter().map(std::slice::from_ref)) {
         let (output, _) = lightproof("help", &[command, &["--help"]].concat());
         assert!(output.status.success());
         assert!(text(&output.stdout).contains("Example"), "{command:?}");

@@ -4,7 +4,7 @@ use super::Context;
 use super::object::Object;
 use super::transform;
 use crate::Error;
-use crate::camera::{Camera, CameraSettings, FovAxis, Projection, Shutter};
+use crate::camera::{Camera, CameraSettings, FovAxis, Opening, Projection, Shutter};
 use crate::film::filter::{Filter, FilterSampler};
 use crate::film::{FilmSettings, Reconstruction};
 use crate::io::MAX_PIXELS;
@@ -35,6 +35,7 @@ pub(super) fn read(context: &Context, index: usize) -> Result<Sensor, Error> {
     let to_world = transform::motion(&object, "to_world")?;
     let opens = object.float("shutter_open")?.unwrap_or(0.0);
     let closes = object.float("shutter_close")?.unwrap_or(opens);
+    let opening = object.choice("shutter_opening", &Opening::ALL, Opening::Box)?;
     let shutter = Shutter::new(opens, closes).map_err(|reason| object.refuse(&reason))?;
     let film = match object.only_nested("film")? {
         Some(index) => film(context, index)?,
@@ -44,6 +45,7 @@ pub(super) fn read(context: &Context, index: usize) -> Result<Sensor, Error> {
         Some(index) => sampler(context, index)?,
         None => DEFAULT_SAMPLER,
     };
+    let shutter = shutter.with_opening(opening);
     let camera = CameraSettings { projection, to_world, shutter };
     Camera::new(&camera, film.width, film.height, DVec3::ZERO).map_err(|reason| object.refuse(&reason))?;
     if plugin != "orthographic" {
@@ -145,8 +147,10 @@ fn film(context: &Context, index: usize) -> Result<FilmSettings, Error> {
 fn filter(context: &Context, index: usize) -> Result<Filter, Error> {
     let object = Object::new(context, index)?;
     let value = |name, default| Ok::<_, Error>(object.float(name)?.unwrap_or(default));
-    let filter = match object.plugin(&["box", "gaussian", "mitchell", "tent"])? {
+    let filter = match object.plugin(&["box", "catmullrom", "gaussian", "lanczos", "mitchell", "tent"])? {
         "box" => Filter::PIXEL,
+        "catmullrom" => Filter::Mitchell { b: 0.0, c: 0.5 },
+        "lanczos" => Filter::Lanczos { lobes: value("lobes", 3.0)? },
         "gaussian" => Filter::Gaussian { stddev: value("stddev", 0.5)? },
         "mitchell" => Filter::Mitchell { b: value("B", 1.0 / 3.0)?, c: value("C", 1.0 / 3.0)? },
         _ => Filter::Tent { radius: value("radius", 1.0)? },

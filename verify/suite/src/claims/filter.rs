@@ -8,11 +8,17 @@ use renderer::integrator::batch::{Path, Sample};
 use renderer::sampling::Decision;
 use renderer::scene::{IntegratorSettings, Scene};
 use verify::chi_square::ChiSquare;
-use verify::claim::{Claim, claim};
+use verify::claim::{Claim, Level, claim};
 use verify::domain::Parallelogram;
+use verify::filter::Kernel;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 use verify::points;
 use verify::quadrature::{Tolerance, integrate};
+
+mod constant;
+mod edge;
+mod wave;
+mod weighted;
 
 use super::pointwise::single;
 use super::recorded::{Recorded, Wrong};
@@ -20,19 +26,51 @@ use crate::bounds;
 use crate::setup::{built, spot};
 
 /// Every filter with its name, and a version of it that is a little wrong.
-const FILTERS: [(&str, Filter, Filter); 4] = [
+const FILTERS: [(&str, Filter, Filter); 6] = [
     ("box", Filter::Box { radius: 0.5 }, Filter::Box { radius: 0.51 }),
     ("tent", Filter::Tent { radius: 1.0 }, Filter::Tent { radius: 0.98 }),
     ("gaussian", Filter::Gaussian { stddev: 0.5 }, Filter::Gaussian { stddev: 0.49 }),
     ("mitchell", Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, Filter::Mitchell { b: 0.3, c: 0.35 }),
+    ("catmull-rom", Filter::Mitchell { b: 0.0, c: 0.5 }, Filter::Mitchell { b: 0.04, c: 0.48 }),
+    ("lanczos", Filter::Lanczos { lobes: 3.0 }, Filter::Lanczos { lobes: 2.9 }),
 ];
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
     FILTERS
         .into_iter()
-        .flat_map(|(name, filter, wrong)| [distribution(name, filter, wrong), weight(name, filter)])
+        .flat_map(|(name, filter, wrong)| {
+            let level = if LATER.contains(&name) { Level::Standard } else { Level::Quick };
+            [
+                distribution((name, level), filter, wrong),
+                weight((name, level), filter),
+                edge::any_angle(name, filter),
+                wave::response(name, filter),
+                constant::mean_and_variance(name, filter),
+            ]
+        })
+        .chain([edge::representative(), wave::zone_plate()])
+        .chain(weighted::claims())
         .collect()
+}
+
+/// Filters of a family that another one represents at the quick level.
+const LATER: [&str; 2] = ["catmull-rom", "lanczos"];
+
+/// What a pixel's error is held to.
+fn pixel_bound(name: &str) -> f64 {
+    if LATER.contains(&name) { bounds::SIGNED_PIXEL } else { bounds::PIXEL }
+}
+
+/// The closed form of a filter.
+fn kernel(filter: Filter) -> Kernel {
+    match filter {
+        Filter::Box { radius } => Kernel::Box { radius },
+        Filter::Tent { radius } => Kernel::Tent { radius },
+        Filter::Gaussian { stddev } => Kernel::Gaussian { stddev, radius: 4.0 * stddev },
+        Filter::Mitchell { b, c } => Kernel::Cubic { b, c },
+        Filter::Lanczos { lobes } => Kernel::Lanczos { radius: lobes },
+    }
 }
 
 fn scene(filter: Filter) -> Scene {
@@ -46,7 +84,7 @@ fn offset(_: &Scene, sample: &Sample, _: &Path) -> Option<[f64; 2]> {
     Some(std::array::from_fn(|i| sample.position[i] - f64::from(sample.id.pixel[i]) - 0.5))
 }
 
-fn distribution(name: &'static str, filter: Filter, wrong: Filter) -> Claim {
+fn distribution((name, level): (&'static str, Level), filter: Filter, wrong: Filter) -> Claim {
     let radius = filter.radius();
     let mass = absolute_mass(filter);
     let domain = Parallelogram::rectangle([-radius; 2], [radius; 2]).expect("the radius is above 0");
@@ -62,10 +100,16 @@ fn distribution(name: &'static str, filter: Filter, wrong: Filter) -> Claim {
         format!("filter/{name}/distribution"),
         format!("samples of a render lie in the {name} filter with the density |f| / ∫|f|"),
     );
-    recorded.claim(
-        builder,
-        Wrong { name: "a filter with slightly other parameters", scene: Some(scene(wrong)), read: offset },
-    )
+    recorded
+        .claim(
+            builder,
+            Wrong {
+                name: "a filter with slightly other parameters",
+                scene: Some(scene(wrong)),
+                read: offset,
+            },
+        )
+        .from_level(level)
 }
 
 /// ∫|f| along one axis, per pixel width.
@@ -82,7 +126,7 @@ fn absolute_mass(filter: Filter) -> f64 {
 }
 
 /// Weighted samples average to the filter's own integrals: ∫f·g / ∫f for g = 1, x², |x|.
-fn weight(name: &'static str, filter: Filter) -> Claim {
+fn weight((name, level): (&'static str, Level), filter: Filter) -> Claim {
     let moments: [fn(f64) -> f64; 3] = [|_| 1.0, |x| x * x, f64::abs];
     let radius = filter.radius();
     let integral = move |g: fn(f64) -> f64| {
@@ -130,4 +174,5 @@ fn weight(name: &'static str, filter: Filter) -> Claim {
         joint_evidence(&claims3, run, |i, seed| stretched(i, seed, 1.01))
     })
     .by(move |run| joint_evidence(&claims, run, |i, seed| estimate(i, seed, 1.0)))
+    .from_level(level)
 }

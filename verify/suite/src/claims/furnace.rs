@@ -11,6 +11,8 @@ use verify::error::InputError;
 use verify::irradiance::furnace_radiance;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
+mod many;
+
 use super::lobe::{self, integral, upper};
 use crate::bounds;
 use crate::setup::{blurred_mirror, diffuse, lamp, phong, radiance, rough_mirror, spot, subject, thing};
@@ -23,6 +25,7 @@ pub(super) fn claims() -> Vec<Claim> {
     ];
     list.extend([Surface::Diffuse, Surface::Phong, Surface::Rough, Surface::Blurred].map(white));
     list.push(glass_sphere());
+    list.extend(many::claims());
     list
 }
 

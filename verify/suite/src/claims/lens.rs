@@ -1,4 +1,4 @@
-//! Lens and shutter: where and when rays start, and where they meet.
+//! The lens: where rays start, where they meet, and what it does to edges and points out of focus.
 
 use std::sync::Arc;
 
@@ -12,7 +12,10 @@ use renderer::scene::{IntegratorSettings, Scene, SceneDescription};
 use renderer::shapes::ShapeSettings;
 use verify::chi_square::ChiSquare;
 use verify::claim::{Claim, claim};
-use verify::domain::{Disk, Interval};
+use verify::domain::Disk;
+
+mod disk;
+mod edge;
 
 use super::pointwise::{never, rejecting, single};
 use super::recorded::{Read, Recorded, Wrong};
@@ -22,13 +25,13 @@ use crate::setup::{built, diffuse, fixed, look, spot, thing};
 const RADIUS: f64 = 0.3;
 const FOCUS: f64 = 5.0;
 
-/// The claims about lens and shutter.
+/// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    vec![position(), focus(), time()]
+    [vec![position(), focus()], edge::claims(), disk::claims()].into_iter().flatten().collect()
 }
 
 /// A camera at the world's origin that looks along +z, with a lens, a shutter from 2 to 5, and a ball that moves.
-fn scene() -> Scene {
+pub(super) fn scene() -> Scene {
     let ball = ShapeSettings::Sphere { center: DVec3::new(0.0, 0.0, 7.0), radius: 1.0 };
     let mut object = thing(ball, DAffine3::IDENTITY, diffuse(0.5));
     let slide = |x: f64| DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
@@ -64,19 +67,6 @@ fn position() -> Claim {
     let naive: Read<[f64; 2]> =
         |scene, sample, path| on_lens(scene, sample, path).map(|p| p.map(|c| c * p[0].hypot(p[1]) / RADIUS));
     recorded.claim(builder, Wrong { name: "radius ξ in the place of √ξ", scene: None, read: naive })
-}
-
-fn time() -> Claim {
-    let builder = claim("shutter/time/uniform", "times of a render are uniform between opening and closing");
-    let recorded = Recorded {
-        target: ChiSquare::on(Interval::new(2.0, 5.0).expect("2 is below 5")),
-        decision: Decision::Time,
-        scene: scene(),
-        read: |_, _, path| Some(f64::from(path.ray.time)),
-        bound: bounds::RECORDED,
-    };
-    let early: Read<f64> = |_, _, path| Some(2.0 + 0.98 * (f64::from(path.ray.time) - 2.0));
-    recorded.claim(builder, Wrong { name: "closes 2 % early", scene: None, read: early })
 }
 
 /// All rays of one point of the image meet in the plane in focus, wherever they leave the lens.

@@ -3,7 +3,9 @@
 use verify::claim::{Claim, Level};
 
 mod convergence;
+mod counted;
 mod effect;
+mod film;
 mod filter;
 mod fresnel;
 mod furnace;
@@ -19,6 +21,8 @@ mod pointwise;
 mod recorded;
 mod relation;
 mod sampler;
+mod shadow;
+mod shutter;
 mod stable;
 mod warp;
 
@@ -56,9 +60,11 @@ pub fn all() -> Vec<Claim> {
         convergence::claims(),
         warp::claims(),
         lens::claims(),
+        shutter::claims(),
         filter::claims(),
         light::claims(),
         irradiance::claims(),
+        shadow::claims(),
         fresnel::claims(),
         lobe::claims(),
         material::claims(),

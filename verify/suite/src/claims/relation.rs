@@ -14,6 +14,8 @@ use renderer::texture::Texture;
 use verify::claim::{Claim, Level, claim};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
+mod unchanged;
+
 use crate::bounds;
 use crate::setup::{
     built, diffuse, fixed, image, lamp, mean, receiver, rectangle_at, remembering, spot, thing,
@@ -21,7 +23,7 @@ use crate::setup::{
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    vec![
+    let mut list = vec![
         same(
             "relation/strategy/same-mean",
             "light points, the material's directions, and both weighted give the same mean",
@@ -66,7 +68,9 @@ pub(super) fn claims() -> Vec<Claim> {
         same("relation/roulette/same-mean", "Russian roulette changes the cost and not the mean", || {
             [u32::MAX, 1].map(roulette_from).into()
         }),
-    ]
+    ];
+    list.extend(unchanged::claims());
+    list
 }
 
 /// One of several versions of a render that should have the same mean: the sum of its parts.

@@ -20,6 +20,7 @@ beside it, or from several files a side, each with another seed.
 
 Examples:
   lightproof compare ours.exr theirs.exr --max-bias 0.5
+  lightproof compare ours-*.exr -- scenes/penumbra.exr --max-bias 0.2      an exact image of lightproof analytic
   lightproof compare --json - --heatmap difference.png a1.exr a2.exr a3.exr -- b1.exr b2.exr b3.exr
 
 Status: 0 the same within the bound; 1 different, or the errors are too large or unknown; 2 it could not run.";
@@ -53,6 +54,9 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
         .map_err(|reason| CliError::Test { subject: String::from("compare"), reason })?;
     let mut words = Words::beside(args.json.as_deref());
     describe(&mut words, &comparison)?;
+    for (name, _) in [("A", &a), ("B", &b)].iter().filter(|(_, side)| side.exact) {
+        writeln!(words, "  {name} is exact: its standard errors are 0")?;
+    }
     words.flush()?;
     if let Some(path) = &args.json {
         let json = serde_json::to_string(&Json::of(&comparison))?;

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+mod analytic;
 mod compare;
 mod effects;
 mod error;
@@ -35,6 +36,7 @@ Examples:
   lightproof render scene.xml -o scene.exr     render a scene in Mitsuba's XML format
   lightproof effects scene.xml                what do its effects cost?
   lightproof compare ours.exr theirs.exr      are these the same image?
+  lightproof analytic scenes                  write scenes with known images, for any renderer
   lightproof samples lens.npy --domain disk     do these points follow their density?
   lightproof merge a.part b.part -o scene.exr join ranges of samples
   lightproof page report.json -o page.html    make the page again from its data
@@ -57,6 +59,7 @@ enum Command {
     Render(render::Args),
     Effects(effects::Args),
     Compare(compare::Args),
+    Analytic(analytic::Args),
     Samples(samples::Args),
     Merge(merge::Args),
     Page(page::Args),
@@ -70,6 +73,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Analytic(args) => analytic::run(&args),
         Command::Samples(args) => samples::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Page(args) => page::run(&args),

@@ -8,6 +8,7 @@ use renderer::shapes::ShapeSettings;
 use renderer::texture::Texture;
 use verify::claim::{Claim, Evidence, Run, claim};
 use verify::error::InputError;
+use verify::fresnel::{diffuse_reflectance as walsh, slab as both_faces};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 use super::super::jittered;
@@ -30,21 +31,6 @@ fn about(exact: f64) -> MeanClaim {
 fn boundary(eta: f32) -> Bsdf {
     let white = || Texture::Constant(Rgb::WHITE);
     Material::new_dielectric(eta, white(), white()).expect("indices of claims are valid").bsdf([0.0; 2])
-}
-
-/// The mean of a dielectric's reflectance over diffuse light from outside, and from inside.
-///
-/// # Source
-/// Walsh 1926, "The reflection factor of a polished glass surface for diffused light"; from inside, what is refracted is
-/// 1/n² of what comes from outside, for the same light in both directions.
-fn walsh(n: f64) -> [f64; 2] {
-    let (n2, n4) = (n * n, n.powi(4));
-    let outside = 0.5
-        + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
-        + n2 * (n2 - 1.0).powi(2) / (n2 + 1.0).powi(3) * ((n - 1.0) / (n + 1.0)).ln()
-        - 2.0 * n2 * n * (n2 + 2.0 * n - 1.0) / ((n2 + 1.0) * (n4 - 1.0))
-        + 8.0 * n4 * (n4 + 1.0) / ((n2 + 1.0) * (n4 - 1.0).powi(2)) * n.ln();
-    [outside, 1.0 - (1.0 - outside) / n2]
 }
 
 /// Indices of water, glass and diamond's neighbourhood.
@@ -148,9 +134,9 @@ fn slabs() -> Result<[Scene; 2], InputError> {
 
 fn slab() -> Claim {
     let of = |single_face: f64, run: &Run| -> Result<Evidence, InputError> {
-        let through = (1.0 - single_face) / (1.0 + single_face);
+        let [reflected, through] = both_faces(single_face);
         let scenes = slabs()?;
-        joint_evidence(&[about(through), about(1.0 - through)], run, |i, seed| {
+        joint_evidence(&[about(through), about(reflected)], run, |i, seed| {
             radiance(&scenes[i], SAMPLES, seed)
         })
     };
@@ -161,10 +147,8 @@ fn slab() -> Claim {
     )
     .rejects("2.2 × resolution", move |run| {
         let scenes = slabs()?;
-        let through = (1.0 - face) / (1.0 + face);
-        joint_control(&[about(through), about(1.0 - through)], run, |i, seed| {
-            radiance(&scenes[i], SAMPLES, seed)
-        })
+        let [reflected, through] = both_faces(face);
+        joint_control(&[about(through), about(reflected)], run, |i, seed| radiance(&scenes[i], SAMPLES, seed))
     })
     .rejects("one face", move |run| of(face / (2.0 - face), run))
     .rejects("R 1 % too large", move |run| of(1.01 * face, run))

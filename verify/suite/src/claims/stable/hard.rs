@@ -282,7 +282,7 @@ fn moving(keys: Vec<(f64, DAffine3)>, length: f64) -> SceneDescription {
         spot(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO, vec![disk], IntegratorSettings::DIRECT);
     description.camera = CameraSettings {
         projection: Projection::Orthographic,
-        shutter: Shutter { open: 0.0, close: length },
+        shutter: Shutter { close: length, ..Shutter::INSTANT },
         ..description.camera
     };
     description.film = FilmSettings { width: 8, height: 8, ..description.film };
