@@ -93,10 +93,11 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
         let Surface { path, hit, interaction, .. } = batch.surfaces[index];
         let path = batch.paths[path as usize];
         let ng = interaction.surface.ng;
-        if let Some(light) = scene.light_of(interaction.object)
+        if let Some((index, light)) = scene.light_of(interaction.object)
             && ng.dot(interaction.wo) > 0.0
         {
-            let pdf = scene.lights.pmf() * light.pdf(&scene.accel, &path.ray, &hit, ng);
+            let pmf = scene.lights.pmf(index, path.ray.origin);
+            let pdf = pmf * light.pdf(&scene.accel, &path.ray, &hit, ng);
             batch
                 .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
         }
@@ -105,7 +106,7 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     for index in 0..batch.paths.len() {
         if batch.hits[index].is_none() {
             let path = batch.paths[index];
-            let pdf = scene.lights.pmf() * light.pdf_escaped();
+            let pdf = scene.lights.pmf_far() * light.pdf_escaped();
             batch
                 .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
         }
@@ -125,7 +126,6 @@ fn found_weight(strategy: Strategy, pdf: Option<f32>, pdf_light: f32) -> f32 {
 /// A point on a light for each surface that light can be connected to.
 pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, batch: &mut Batch) {
     let choose = scene.lights.needs_choice();
-    let pmf = scene.lights.pmf();
     for index in 0..batch.surfaces.len() {
         let Surface { path, interaction, frame, .. } = batch.surfaces[index];
         let path = batch.paths[path as usize];
@@ -135,7 +135,7 @@ pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, 
         }
         let id = batch.samples[path.sample as usize].id;
         let u_light = if choose { sampler.draw_1d(id, path.vertex, Decision::LightChoice) } else { 0.0 };
-        let light = scene.lights.choose(u_light);
+        let (light, pmf) = scene.lights.choose(u_light, interaction.surface.point);
         let u = match light {
             Light::Point { .. } | Light::Directional { .. } => [0.0; 2],
             Light::Area(_) | Light::Constant { .. } => sampler.draw_2d(id, path.vertex, Decision::LightPoint),

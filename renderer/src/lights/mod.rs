@@ -12,6 +12,7 @@ use crate::sampling::warp;
 
 pub mod area;
 pub mod select;
+mod tree;
 
 pub use area::{AreaLight, LightSampling};
 pub use select::Lights;

@@ -89,12 +89,13 @@ impl Scene {
             lights.extend(bare_light(light, to_frame).map_err(refuse("emitter"))?);
         }
         let accel = Accel::new(objects, [shutter.open, shutter.close]);
+        let lights = Lights::new(lights, &accel, [shutter.open, shutter.close]);
         let mut scene = Self {
             camera,
             shutter,
             film,
             accel,
-            lights: Lights::new(lights),
+            lights,
             integrator: description.integrator,
             effects: Effects::NONE,
             surfaces,
@@ -113,9 +114,9 @@ impl Scene {
         self.surfaces.iter().map(|s| s.material.as_ref())
     }
 
-    /// The light that the object of index `object` is, if it is one.
-    pub fn light_of(&self, object: u32) -> Option<&Light> {
-        self.surfaces[object as usize].light.map(|l| self.lights.get(l))
+    /// The index of the light that the object of index `object` is, and the light, if it is one.
+    pub fn light_of(&self, object: u32) -> Option<(u32, &Light)> {
+        self.surfaces[object as usize].light.map(|l| (l, self.lights.get(l)))
     }
 }
 

@@ -45,6 +45,13 @@ pub(super) fn claims() -> Vec<Claim> {
             let both = Version::of(two_lights([1.0, 1.0]));
             vec![Version { parts, ..Version::of(two_lights([1.0, 1.0])) }, both]
         }),
+        same("relation/light/many", "six lights give the sum of what each gives", || {
+            let parts = (0..6).map(|i| built(&many_lights(i..i + 1))).collect();
+            let both = Version::of(many_lights(0..6));
+            let few = |version| Version { samples: 8, ..version };
+            vec![few(Version { parts, ..Version::of(room()) }), few(both)]
+        })
+        .from_level(Level::Standard),
         same("relation/sampler/same-mean", "every sampler gives the same mean", || {
             SamplerKind::ALL.map(|sampler| Version { sampler, ..Version::of(room()) }).into()
         }),
@@ -222,6 +229,28 @@ fn two_lights(factors: [f32; 2]) -> SceneDescription {
     let lamps = description.objects.iter_mut().rev().take(2);
     for (lamp, factor) in lamps.zip(factors) {
         lamp.radiance = Rgb::splat(4.0 * factor);
+    }
+    description
+}
+
+/// The room under some of six small lamps of different sizes and powers, every third a ball; no sky.
+fn many_lights(which: std::ops::Range<u32>) -> SceneDescription {
+    let mut description = room();
+    description.lights.clear();
+    description.objects.pop();
+    for i in which {
+        let [x, z] = [f64::from(i) * 0.8 - 2.0, f64::from(i % 2) - 0.3];
+        let side = 0.1 + 0.02 * f64::from(i % 7);
+        let at = DVec3::new(x, 2.2 + 0.05 * f64::from(i % 4), z);
+        let mut one = match i % 3 {
+            0 => lamp(ShapeSettings::Sphere { center: at, radius: side }, DAffine3::IDENTITY),
+            1 => lamp(ShapeSettings::Rectangle, rectangle_at(at, side * DVec3::X, side * DVec3::Z)),
+            _ => {
+                lamp(ShapeSettings::Disk, rectangle_at(at, side * DVec3::X, side * DVec3::new(0.0, 0.3, 1.0)))
+            }
+        };
+        one.radiance = Rgb::splat([1.0, 8.0, 3.0, 20.0][i as usize % 4]);
+        description.objects.push(one);
     }
     description
 }
