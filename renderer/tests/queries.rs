@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use renderer::accel::{Accel, Object};
+use renderer::accel::{Accel, MotionIndex, Object};
 use renderer::math::bounds::Bounds;
 use renderer::math::transform::Motion;
 use renderer::ray::{Hit, Ray};
@@ -24,6 +24,24 @@ fn affine(rng: &mut Pcg64) -> DAffine3 {
         rotation,
         inside(rng, 4.0),
     )
+}
+
+/// A motion through `keys` stretched, sheared and turned positions at uneven times from before 0 to about `keys`/2.
+fn uneven_motion(rng: &mut Pcg64, keys: usize) -> Motion {
+    let stretch = DMat3::from_diagonal(DVec3::new(1.0, 3.0, 0.3));
+    let mut time = -0.5;
+    let mut key = || {
+        time += 0.05 + rng.random::<f64>();
+        (time, DAffine3::from_mat3_translation(affine(rng).matrix3 * stretch, inside(rng, 4.0)))
+    };
+    Motion::keyed((0..keys).map(|_| key()).collect()).expect("regular keys")
+}
+
+/// The box between two at a share of the way.
+fn interpolate([a, b]: [Bounds; 2], share: f64) -> Bounds {
+    // What interpolation itself rounds, in units of 2⁻⁵³ of coordinates up to 64.
+    let rounding = DVec3::splat(64.0 * 4.0 * f64::EPSILON);
+    Bounds { min: a.min.lerp(b.min, share), max: a.max.lerp(b.max, share) }.grown(rounding)
 }
 
 fn object(rng: &mut Pcg64) -> Object {
@@ -145,16 +163,37 @@ proptest! {
     }
 
     #[test]
-    fn swept_boxes_hold_the_body_at_every_time(seed: u64, keys in 1usize..5) {
+    fn moving_objects_are_found_alike_by_every_index(seed: u64, count in 1usize..20) {
         let rng = &mut Pcg64::seed_from_u64(seed);
-        let mut time = -0.5;
-        let mut key = || { time += 0.05 + rng.random::<f64>(); (time, DAffine3::from_mat3_translation(affine(rng).matrix3 * glam::DMat3::from_diagonal(DVec3::new(1.0, 3.0, 0.3)), inside(rng, 4.0))) };
-        let motion = Motion::keyed((0..keys).map(|_| key()).collect()).expect("regular keys");
+        let objects: Vec<Object> = (0..count).map(|_| object(rng)).collect();
+        let rays = rays(rng, 300);
+        let found = |index| {
+            let accel = Accel::indexed(objects.clone(), [0.0, 1.0], index);
+            let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+            accel.closest(&rays, &mut hits);
+            accel.occluded(&rays, &mut blocked);
+            (hits, blocked)
+        };
+        let chosen = found(MotionIndex::Chosen);
+        for index in [MotionIndex::Swept, MotionIndex::Interpolated(1), MotionIndex::Interpolated(3)] {
+            prop_assert_eq!(&chosen, &found(index), "{:?}", index);
+        }
+    }
+
+    #[test]
+    fn boxes_hold_the_moving_body_at_every_time(seed: u64, keys in 1usize..5) {
+        let rng = &mut Pcg64::seed_from_u64(seed);
+        let motion = uneven_motion(rng, keys);
         let body = Bounds::of([inside(rng, 2.0), inside(rng, 2.0)]);
         let swept = motion.swept(&body, [0.0, 1.0]);
+        let ends = motion.interpolated(&body, [0.0, 1.0]);
         for i in 0..=1000 {
-            let map = motion.at(f64::from(i) / 1000.0);
-            prop_assert!(body.corners().iter().all(|c| swept.contains(map.transform_point3(*c))), "time {i}");
+            let time = f64::from(i) / 1000.0;
+            let map = motion.at(time);
+            let corners = body.corners().map(|c| map.transform_point3(c));
+            let moving = interpolate(ends, time);
+            prop_assert!(corners.iter().all(|c| swept.contains(*c)), "swept, time {time}");
+            prop_assert!(corners.iter().all(|c| moving.contains(*c)), "interpolated, time {time}");
         }
     }
 
@@ -229,4 +268,24 @@ fn motions_pass_through_their_keys_the_short_way() {
     assert!(Motion::keyed(vec![(0.0, shift), (0.0, shift)]).is_err());
     assert!(Motion::keyed(vec![]).is_err());
     assert!(Motion::keyed(vec![(f64::NAN, shift)]).is_err());
+}
+
+#[test]
+fn turning_bodies_leave_the_boxes_between_their_ends() {
+    let turn = |angle| DAffine3::from_axis_angle(DVec3::Z, angle);
+    let motion = Motion::keyed(vec![(0.0, turn(0.0)), (1.0, turn(PI / 2.0))]).unwrap();
+    let body = Bounds::of([DVec3::new(-3.0, -3.0, -0.1), DVec3::new(3.0, 3.0, 0.1)]);
+    let half = body.transformed(&motion.at(0.5));
+    let ends = [0.0, 1.0].map(|time| body.transformed(&motion.at(time)));
+    // The corner at 45° reaches √2 times as far half way: bounds without the turn's margin lose it.
+    assert!(half.corners().iter().any(|c| !interpolate(ends, 0.5).contains(*c)));
+    let grown = interpolate(motion.interpolated(&body, [0.0, 1.0]), 0.5);
+    assert!(half.corners().iter().all(|c| grown.contains(*c)));
+    // The margin is no more than needed: 3·(√2 − 1), up to (π/16)²/8 of the radius 3√2 that a piece leaves its chord.
+    assert!((grown.max.x - 3.0 * 2f64.sqrt()).abs() < (PI / 16.0).powi(2) / 8.0 * 18f64.sqrt() * 1.01);
+    // A translation needs none.
+    let shift = Motion::keyed(vec![(0.0, turn(0.0)), (1.0, DAffine3::from_translation(DVec3::X))]).unwrap();
+    let ends = shift.interpolated(&body, [0.0, 1.0]);
+    assert!((ends[0].max - body.max).abs().max_element() < 64.0 * f64::EPSILON * 3.0);
+    assert!((ends[1].max - body.max - DVec3::X).abs().max_element() < 64.0 * f64::EPSILON * 4.0);
 }

@@ -46,26 +46,29 @@ struct Part {
     depth: usize,
 }
 
+/// How much of a leaf, whose room is 8, each item takes.
+type Room<'a> = &'a (dyn Fn(u32) -> u32 + Sync);
+
 /// Collapses a tree whose leaves hold one item each.
-pub(super) fn collapse(tree: &Bvh2) -> WideTree {
+pub(super) fn collapse(tree: &Bvh2, room: Room) -> WideTree {
     let mut wide = WideTree::default();
     if tree.nodes.is_empty() {
         return wide;
     }
     let shared = tree.primitive_indices.len() >= SHARED_FROM;
     let roots = if shared { frontier(&tree.nodes) } else { Vec::new() };
-    let pieces: Vec<_> = roots.par_iter().map(|&root| piece(tree, root)).collect();
+    let pieces: Vec<_> = roots.par_iter().map(|&root| piece(tree, room, root)).collect();
     let mut parts: Vec<Part> = pieces.into_iter().map(|(part, piece)| wide.append(part, piece)).collect();
     parts.sort_unstable_by_key(|part| part.node);
-    let whole = Cover::new(tree, 0, &parts).emit(&mut wide);
+    let whole = Cover::new(tree, room, 0, &parts).emit(&mut wide);
     (wide.root, wide.depth) = (whole.child, whole.depth);
     wide
 }
 
 /// A subtree collapsed on its own.
-fn piece(tree: &Bvh2, root: u32) -> (Part, WideTree) {
+fn piece(tree: &Bvh2, room: Room, root: u32) -> (Part, WideTree) {
     let mut wide = WideTree::default();
-    let part = Cover::new(tree, root, &[]).emit(&mut wide);
+    let part = Cover::new(tree, room, root, &[]).emit(&mut wide);
     (part, wide)
 }
 
@@ -99,6 +102,7 @@ impl WideTree {
 /// A binary subtree in depth-first order, with the best way to cover each of its nodes.
 struct Cover<'a> {
     tree: &'a Bvh2,
+    room: Room<'a>,
     entries: Vec<Entry>,
     parts: &'a [Part],
 }
@@ -108,7 +112,7 @@ struct Entry {
     node: u32,
     /// Index of the right child; 0 without children.
     right: u32,
-    /// Number of items; more than a leaf holds for a part that is collapsed already.
+    /// Room that its items take in a leaf; more than there is for a part that is collapsed already.
     count: u32,
     /// Lowest cost of covering it by up to 1, 2, … 7 slots.
     costs: [f32; WIDTH - 1],
@@ -118,8 +122,8 @@ struct Entry {
 }
 
 impl<'a> Cover<'a> {
-    fn new(tree: &'a Bvh2, root: u32, parts: &'a [Part]) -> Self {
-        let mut cover = Self { tree, entries: Vec::new(), parts };
+    fn new(tree: &'a Bvh2, room: Room<'a>, root: u32, parts: &'a [Part]) -> Self {
+        let mut cover = Self { tree, room, entries: Vec::new(), parts };
         cover.lay_out(root);
         for index in (0..cover.entries.len()).rev() {
             cover.choose(index);
@@ -129,6 +133,12 @@ impl<'a> Cover<'a> {
 
     fn part(&self, node: u32) -> Option<&'a Part> {
         self.parts.binary_search_by_key(&node, |part| part.node).ok().map(|i| &self.parts[i])
+    }
+
+    /// The item of a leaf of the binary tree.
+    fn item(&self, entry: &Entry) -> u32 {
+        let first = self.tree.nodes[entry.node as usize].first_index;
+        self.tree.primitive_indices[first as usize]
     }
 
     /// Lists the nodes depth first.
@@ -156,9 +166,10 @@ impl<'a> Cover<'a> {
         let area = self.tree.nodes[entry.node as usize].aabb().half_area();
         if entry.right == 0 {
             let part = self.part(entry.node);
+            let room = if part.is_none() { (self.room)(self.item(entry)) } else { 0 };
             let entry = &mut self.entries[index];
             entry.costs = [part.map_or(area * LEAF_COST, |p| p.cost); WIDTH - 1];
-            entry.count = if part.is_some() { WIDTH as u32 + 1 } else { 1 };
+            entry.count = if part.is_some() { WIDTH as u32 + 1 } else { room };
             return;
         }
         let (left, right) = (&self.entries[index + 1], &self.entries[entry.right as usize]);
@@ -205,11 +216,10 @@ impl<'a> Cover<'a> {
             return (part.child, None);
         }
         if entry.right == 0 || entry.left[0] == 0 {
-            let items = &self.entries[index..index + 2 * entry.count as usize - 1];
-            for item in items.iter().filter(|e| e.right == 0) {
-                let first = self.tree.nodes[item.node as usize].first_index;
-                out.order.push(self.tree.primitive_indices[first as usize]);
-            }
+            // Items that take all the room have a leaf of their own; the others take 1 each.
+            let nodes = if entry.right == 0 { 1 } else { 2 * entry.count as usize - 1 };
+            let items = self.entries[index..index + nodes].iter().filter(|e| e.right == 0);
+            out.order.extend(items.map(|e| self.item(e)));
             out.leaf_ends.push(out.order.len() as u32);
             return (Child::new(out.leaf_ends.len() - 1, true), None);
         }

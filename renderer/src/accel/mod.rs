@@ -3,6 +3,7 @@
 mod block;
 mod collapse;
 mod group;
+mod moving;
 mod node;
 mod object;
 mod walk;
@@ -13,18 +14,34 @@ use crate::interaction::Interaction;
 use crate::ray::{Hit, Ray};
 use crate::shapes::ShapeHit;
 use group::{Context, Group};
+use moving::MovingTrees;
 
 /// The objects of a scene, found by rays.
 ///
-/// One tree holds every element of the objects at rest and, as one item each, the boxes that the moving objects sweep
-/// while the shutter is open; each moving object has a tree in its own space.
+/// One tree holds every element of the objects at rest and the boxes swept by moving objects that move little; the boxes
+/// of the others are interpolated in time, in a tree for each segment of the shutter. A moving mesh has a tree in its own
+/// space.
 #[derive(Debug)]
 pub struct Accel {
     objects: Vec<Object>,
     shutter: [f64; 2],
     scene: Group,
-    /// The tree of each moving object.
+    moving: Option<MovingTrees>,
+    /// The tree of each moving object with more than one element.
     inner: Vec<Option<Group>>,
+}
+
+/// How moving objects are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MotionIndex {
+    /// By their motion: swept boxes where these are at most 1.4 times as large as the object's own, else interpolated ones,
+    /// with twice as many segments for as long as this makes boxes 10 % smaller.
+    #[default]
+    Chosen,
+    /// By the boxes that they sweep while the shutter is open.
+    Swept,
+    /// By boxes interpolated in time, in trees for that many segments of the shutter, at least 1.
+    Interpolated(u32),
 }
 
 impl Accel {
@@ -32,12 +49,38 @@ impl Accel {
     ///
     /// An object with a motion that rests costs what a moving one costs: place its shape and leave the motion out.
     pub fn new(objects: Vec<Object>, shutter: [f64; 2]) -> Self {
+        Self::indexed(objects, shutter, MotionIndex::Chosen)
+    }
+
+    /// As `new`, with the way to find moving objects given.
+    pub fn indexed(objects: Vec<Object>, shutter: [f64; 2], index: MotionIndex) -> Self {
         // Rays have f32 times, which may round to just outside.
         let shutter = rounded_outward(shutter);
-        let scene = Group::of_scene(&objects, shutter);
-        let tree = |(index, o): (u32, &Object)| o.motion.is_some().then(|| Group::of_shape(index, &o.shape));
+        let swept = |o: &Object| {
+            o.motion.as_ref()?;
+            let is_swept = match index {
+                MotionIndex::Chosen => moving::is_slow(o, shutter),
+                MotionIndex::Swept => true,
+                MotionIndex::Interpolated(_) => false,
+            };
+            is_swept.then(|| o.bounds(shutter))
+        };
+        let swept: Vec<_> = objects.iter().map(swept).collect();
+        let scene = Group::of_scene(&objects, &swept);
+        let others = (0u32..).zip(&objects).zip(&swept);
+        let others: Vec<u32> = others
+            .filter(|((_, o), swept)| o.motion.is_some() && swept.is_none())
+            .map(|((i, _), _)| i)
+            .collect();
+        let moving = (!others.is_empty()).then(|| match index {
+            MotionIndex::Interpolated(count) => MovingTrees::new(&objects, &others, shutter, count.max(1)),
+            _ => MovingTrees::chosen(&objects, &others, shutter),
+        });
+        let tree = |(index, o): (u32, &Object)| {
+            (o.motion.is_some() && o.shape.element_count() > 1).then(|| Group::of_shape(index, &o.shape))
+        };
         let inner = (0u32..).zip(&objects).map(tree).collect();
-        Self { objects, shutter, scene, inner }
+        Self { objects, shutter, scene, moving, inner }
     }
 
     /// The objects, in the order given.
@@ -49,25 +92,47 @@ impl Accel {
     pub fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.resize(rays.len(), None);
-        self.scene.closest(rays, &mut self.context(), hits);
+        let mut context = Context::new(&self.objects, &self.inner);
+        self.scene.closest(rays, &mut context, hits);
+        if let Some(moving) = &self.moving {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = moving.closest(ray, *hit, &mut context);
+            }
+        }
     }
 
     /// Whether anything lies on each ray's segment, written over `out`.
     pub fn occluded(&self, rays: &[Ray], out: &mut Vec<bool>) {
         out.clear();
         out.resize(rays.len(), false);
-        self.scene.occluded(rays, &mut self.context(), out);
+        let mut context = Context::new(&self.objects, &self.inner);
+        self.scene.occluded(rays, &mut context, out);
+        if let Some(moving) = &self.moving {
+            for (ray, blocked) in rays.iter().zip(out) {
+                *blocked = *blocked || moving.occluded(ray, &mut context);
+            }
+        }
     }
 
-    fn context(&self) -> Context<'_> {
-        Context { objects: &self.objects, inner: &self.inner, stack: Vec::new() }
+    /// How many boxes each ray meets on the way to its nearest hit, summed: around nodes, and around leaves. Boxes within
+    /// moving objects are left aside. Any order of steps has to visit these.
+    pub fn boxes_met(&self, rays: &[Ray]) -> [u64; 2] {
+        let mut hits = Vec::new();
+        self.closest(rays, &mut hits);
+        let met = |(ray, hit): (&Ray, &Option<Hit>)| {
+            let reach = hit.map_or(ray.t_max, |h| h.t);
+            let moving = self.moving.as_ref().map_or([0; 2], |moving| moving.boxes_met(ray, reach));
+            let resting = self.scene.boxes_met(ray, reach);
+            [moving[0] + resting[0], moving[1] + resting[1]]
+        };
+        rays.iter().zip(&hits).map(met).fold([0; 2], |sum, met| [sum[0] + met[0], sum[1] + met[1]])
     }
 
     /// The surface at a hit that `closest` found for `ray`.
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
         debug_assert!(
             (self.shutter[0]..=self.shutter[1]).contains(&f64::from(ray.time))
-                || self.inner.iter().all(Option::is_none),
+                || self.objects.iter().all(|o| o.motion.is_none()),
             "moving objects are bounded only while the shutter is open"
         );
         let object = &self.objects[hit.object as usize];

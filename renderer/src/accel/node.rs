@@ -100,23 +100,16 @@ impl Node {
         prefetch(&self.children);
     }
 
-    /// The child in a slot.
+    /// The children by slot.
     #[inline]
-    pub(super) fn child(&self, slot: u32) -> Child {
-        self.children[slot as usize % WIDTH]
+    pub(super) fn children(&self) -> &[Child; WIDTH] {
+        &self.children
     }
 
     /// Which boxes the ray meets before `limit` (bits), and how far away it enters each.
     #[inline]
     pub(super) fn enter(&self, slab: &Slab, limit: f32) -> (u32, [f32; WIDTH]) {
-        let side = |axis: usize, which: usize, inverse: f32| {
-            (self.sides[axis][which] - f32x8::splat(slab.origin[axis])) * f32x8::splat(inverse)
-        };
-        let near = |axis: usize| side(axis, slab.upper_first[axis], slab.inverse[axis]);
-        let far = |axis: usize| side(axis, 1 - slab.upper_first[axis], slab.inverse_far[axis]);
-        let enter = near(0).fast_max(near(1)).fast_max(near(2)).fast_max(f32x8::ZERO);
-        let leave = far(0).fast_min(far(1)).fast_min(far(2)).fast_min(f32x8::splat(limit));
-        (enter.simd_le(leave).to_bitmask(), enter.to_array())
+        slab.enter(|axis, which| self.sides[axis][which], limit)
     }
 }
 
@@ -159,6 +152,22 @@ impl Slab {
             inverse_far: inverse_far.to_array(),
             upper_first: inverse.to_array().map(|i| usize::from(i < 0.0)),
         }
+    }
+}
+
+impl Slab {
+    /// Which of eight boxes the ray meets before `limit` (bits), and how far away it enters each; `side` gives their lower
+    /// (0) or upper (1) sides along an axis.
+    #[inline]
+    pub(super) fn enter(&self, side: impl Fn(usize, usize) -> f32x8, limit: f32) -> (u32, [f32; WIDTH]) {
+        let distance = |axis: usize, which: usize, inverse: f32| {
+            (side(axis, which) - f32x8::splat(self.origin[axis])) * f32x8::splat(inverse)
+        };
+        let near = |axis: usize| distance(axis, self.upper_first[axis], self.inverse[axis]);
+        let far = |axis: usize| distance(axis, 1 - self.upper_first[axis], self.inverse_far[axis]);
+        let enter = near(0).fast_max(near(1)).fast_max(near(2)).fast_max(f32x8::ZERO);
+        let leave = far(0).fast_min(far(1)).fast_min(far(2)).fast_min(f32x8::splat(limit));
+        (enter.simd_le(leave).to_bitmask(), enter.to_array())
     }
 }
 

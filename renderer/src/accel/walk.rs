@@ -110,53 +110,47 @@ impl Walker {
     /// Visits one node or leaf.
     #[inline]
     pub(super) fn step<M: Mode>(&mut self, group: &Group, stack: &mut [Entry], context: &mut Context) {
-        let limit = limit(self.ray.t_max);
-        let next = match self.next.leaf() {
-            None => descend::<M>(group, self.next, &self.slab, limit, stack, &mut self.top),
+        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
+        self.next = match self.next.leaf() {
+            None => descend::<M>(group, self.next, &self.slab, limit(self.ray.t_max), &mut pending),
             Some(leaf) => {
                 self.search_leaf(group, leaf, context);
-                if M::ANY && self.has_hit() {
-                    self.next = Child::NONE;
-                    return;
-                }
                 Child::NONE
             }
         };
-        self.next = if next == Child::NONE { self.pop(stack) } else { next };
+        if self.next == Child::NONE && !(M::ANY && self.has_hit()) {
+            self.next = pending.pop(limit(self.ray.t_max));
+        }
+        self.top = pending.top;
     }
 
     /// Goes all the way.
     #[inline]
     pub(super) fn walk<M: Mode>(&mut self, group: &Group, stack: &mut [Entry], context: &mut Context) {
+        // Copies that the compiler can keep in registers.
         let slab = self.slab;
-        let (mut next, mut top) = (self.next, self.top);
-        loop {
+        let mut next = self.next;
+        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
+        while next != Child::NONE {
             let limit = limit(self.ray.t_max);
-            let leaf = loop {
-                if let Some(leaf) = next.leaf() {
-                    break leaf;
-                }
-                next = descend::<M>(group, next, &slab, limit, stack, &mut top);
+            while next.leaf().is_none() {
+                next = descend::<M>(group, next, &slab, limit, &mut pending);
                 if next == Child::NONE {
-                    next = pop(stack, self.bottom, &mut top, limit);
+                    next = pending.pop(limit);
                 }
-            };
+            }
             if next == Child::NONE {
                 break;
             }
-            self.search_leaf(group, leaf, context);
+            if let Some(leaf) = next.leaf() {
+                self.search_leaf(group, leaf, context);
+            }
             if M::ANY && self.has_hit() {
                 break;
             }
-            let limit = self::limit(self.ray.t_max);
-            next = pop(stack, self.bottom, &mut top, limit);
+            next = pending.pop(self::limit(self.ray.t_max));
         }
         self.next = Child::NONE;
-    }
-
-    #[inline]
-    fn pop(&mut self, stack: &[Entry]) -> Child {
-        pop(stack, self.bottom, &mut self.top, limit(self.ray.t_max))
     }
 
     #[inline]
@@ -200,59 +194,75 @@ impl Walker {
     }
 }
 
-/// The nearest child of a node that the ray meets; the others are left for later on the stack, with the farthest at the
-/// bottom unless any hit will do. `Child::NONE` if it meets none.
+/// Visits a node of the group.
 #[inline]
-fn descend<M: Mode>(
-    group: &Group,
-    node: Child,
-    slab: &Slab,
-    limit: f32,
-    stack: &mut [Entry],
-    top: &mut usize,
-) -> Child {
+fn descend<M: Mode>(group: &Group, node: Child, slab: &Slab, limit: f32, pending: &mut Pending) -> Child {
     let node = &group.nodes[node.node()];
-    let (mut mask, near) = node.enter(slab, limit);
-    if mask == 0 {
-        return Child::NONE;
-    }
-    let mut take = || {
-        let slot = mask.trailing_zeros();
-        mask &= mask - 1;
-        let child = node.child(slot);
+    let (mask, near) = node.enter(slab, limit);
+    let fetch = |child| {
         if M::PREFETCH {
             group.prefetch(child);
         }
-        (Entry { child, near: near[slot as usize % WIDTH] }, mask != 0)
     };
-    let (mut nearest, mut more) = take();
-    let base = *top;
-    while more {
-        let (mut entry, is_more) = take();
-        more = is_more;
-        if entry.near < nearest.near {
-            std::mem::swap(&mut entry, &mut nearest);
-        }
-        let mut place = *top;
-        while !M::ANY && place > base && stack[place - 1].near < entry.near {
-            stack[place] = stack[place - 1];
-            place -= 1;
-        }
-        stack[place] = entry;
-        *top += 1;
-    }
-    nearest.child
+    pending.choose::<M>(mask, &near, node.children(), fetch)
 }
 
-/// The last child left for later that still matters.
-#[inline]
-fn pop(stack: &[Entry], bottom: usize, top: &mut usize, limit: f32) -> Child {
-    while *top > bottom {
-        *top -= 1;
-        let entry = stack[*top];
-        if entry.near < limit {
-            return entry.child;
+/// A part of a stack, of children left for later.
+pub(super) struct Pending<'a> {
+    pub(super) stack: &'a mut [Entry],
+    pub(super) bottom: usize,
+    pub(super) top: usize,
+}
+
+impl Pending<'_> {
+    /// The nearest of the children in `mask`; the others are left for later, with the farthest at the bottom unless any
+    /// hit will do. `Child::NONE` if there are none. Calls `seen` with each.
+    #[inline]
+    pub(super) fn choose<M: Mode>(
+        &mut self,
+        mut mask: u32,
+        near: &[f32; WIDTH],
+        children: &[Child; WIDTH],
+        seen: impl Fn(Child),
+    ) -> Child {
+        if mask == 0 {
+            return Child::NONE;
         }
+        let mut take = || {
+            let slot = mask.trailing_zeros() as usize % WIDTH;
+            mask &= mask - 1;
+            seen(children[slot]);
+            (Entry { child: children[slot], near: near[slot] }, mask != 0)
+        };
+        let (mut nearest, mut more) = take();
+        let base = self.top;
+        while more {
+            let (mut entry, is_more) = take();
+            more = is_more;
+            if entry.near < nearest.near {
+                std::mem::swap(&mut entry, &mut nearest);
+            }
+            let mut place = self.top;
+            while !M::ANY && place > base && self.stack[place - 1].near < entry.near {
+                self.stack[place] = self.stack[place - 1];
+                place -= 1;
+            }
+            self.stack[place] = entry;
+            self.top += 1;
+        }
+        nearest.child
     }
-    Child::NONE
+
+    /// The last child left for later that begins before `limit`.
+    #[inline]
+    pub(super) fn pop(&mut self, limit: f32) -> Child {
+        while self.top > self.bottom {
+            self.top -= 1;
+            let entry = self.stack[self.top];
+            if entry.near < limit {
+                return entry.child;
+            }
+        }
+        Child::NONE
+    }
 }

@@ -96,42 +96,69 @@ impl Motion {
     }
 
     /// A box that holds the image of `body` at every time in `[open, close]`.
+    pub fn swept(&self, body: &Bounds, [open, close]: [f64; 2]) -> Bounds {
+        let (times, margin) = self.pieces(body, [open, close]);
+        let join = |all: Bounds, &time: &f64| all.union(&body.transformed(&self.at(time)));
+        grown_by_rounding(times.iter().fold(Bounds::EMPTY, join).grown(DVec3::splat(margin)))
+    }
+
+    /// Two boxes, for `open` and for `close`, such that the box interpolated between them by time holds the image of
+    /// `body` at every time in between.
+    ///
+    /// They are the body's own boxes at the two ends, grown alike by what the body's box at any end of a piece reaches
+    /// beyond the interpolated one, and by what a piece may leave its chord. For a translation at constant speed that
+    /// is nothing.
+    pub fn interpolated(&self, body: &Bounds, [open, close]: [f64; 2]) -> [Bounds; 2] {
+        let at = |time| body.transformed(&self.at(time));
+        let ends = [at(open), at(close)];
+        let (times, margin) = self.pieces(body, [open, close]);
+        let (mut below, mut above) = (DVec3::ZERO, DVec3::ZERO);
+        for time in times {
+            let s = if open < close { (time - open) / (close - open) } else { 0.0 };
+            let own = at(time);
+            below = below.max(ends[0].min.lerp(ends[1].min, s) - own.min);
+            above = above.max(own.max - ends[0].max.lerp(ends[1].max, s));
+        }
+        ends.map(|end| {
+            grown_by_rounding(Bounds { min: end.min - below - margin, max: end.max + above + margin })
+        })
+    }
+
+    /// Times that cut `[open, close]` into pieces on which the body's points leave their chords by at most the length
+    /// that is returned too.
     ///
     /// On a piece of h of a segment's unit parameter s, a point p(s) = T + R·S·x leaves the chord between the piece's
-    /// ends by at most h²/8 · max|p''|, and |p''| ≤ ω²|S·x| + 2ω|S'·x| with ω the segment's turn. The boxes of the two
-    /// ends, joined and grown by that much, hold the whole piece.
-    pub fn swept(&self, body: &Bounds, [open, close]: [f64; 2]) -> Bounds {
-        let ends = body.transformed(&self.at(open)).union(&body.transformed(&self.at(close)));
-        let mut all = ends;
+    /// ends by at most h²/8 · max|p''|, and |p''| ≤ ω²|S·x| + 2ω|S'·x| with ω the segment's turn.
+    fn pieces(&self, body: &Bounds, [open, close]: [f64; 2]) -> (Vec<f64>, f64) {
+        let (mut times, mut margin) = (vec![open, close], 0.0f64);
         for pair in self.keys.windows(2) {
-            let (a, b) = (open.max(pair[0].time), close.min(pair[1].time));
-            if a < b && pair[0].affine != pair[1].affine {
-                all = all.union(&sweep_segment(&pair[0], &pair[1], body, [a, b]));
+            let (from, to) = (&pair[0], &pair[1]);
+            let (a, b) = (open.max(from.time), close.min(to.time));
+            if a >= b || from.affine == to.affine {
+                continue;
+            }
+            let share = (b - a) / (to.time - from.time);
+            let turn = turn_between(from.rotation, to.rotation);
+            let pieces = (share * turn / PIECE_TURN).ceil().max(1.0);
+            let h = share / pieces;
+            let largest = |m: &DMat3| body.corners().iter().map(|c| (*m * *c).length()).fold(0.0, f64::max);
+            let radius = largest(&from.stretch).max(largest(&to.stretch));
+            let growth = largest(&(to.stretch - from.stretch));
+            margin = margin.max(h * h / 8.0 * (turn * turn * radius + 2.0 * turn * growth));
+            let mut piece = 0.0;
+            while piece <= pieces {
+                times.push(a + (b - a) * (piece / pieces));
+                piece += 1.0;
             }
         }
-        // Composition in f64 rounds each coordinate within a few units of 2⁻⁵³ of the largest one.
-        let largest = all.min.abs().max(all.max.abs()).max_element();
-        all.grown(DVec3::splat(largest * f64::EPSILON * 32.0))
+        (times, margin)
     }
 }
 
-fn sweep_segment(from: &Key, to: &Key, body: &Bounds, [a, b]: [f64; 2]) -> Bounds {
-    let span = to.time - from.time;
-    let [s0, s1] = [(a - from.time) / span, (b - from.time) / span];
-    let turn = turn_between(from.rotation, to.rotation);
-    let pieces = ((s1 - s0) * turn / PIECE_TURN).ceil().max(1.0);
-    let h = (s1 - s0) / pieces;
-    let largest = |m: &DMat3| body.corners().iter().map(|c| (*m * *c).length()).fold(0.0, f64::max);
-    let radius = largest(&from.stretch).max(largest(&to.stretch));
-    let growth = largest(&(to.stretch - from.stretch));
-    let margin = h * h / 8.0 * (turn * turn * radius + 2.0 * turn * growth);
-    let mut all = Bounds::EMPTY;
-    let mut piece = 0.0;
-    while piece <= pieces {
-        all = all.union(&body.transformed(&from.mix(to, s0 + h * piece)));
-        piece += 1.0;
-    }
-    all.grown(DVec3::splat(margin))
+/// Composition in f64 rounds each coordinate within a few units of 2⁻⁵³ of the largest one.
+fn grown_by_rounding(bounds: Bounds) -> Bounds {
+    let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    bounds.grown(DVec3::splat(largest * f64::EPSILON * 32.0))
 }
 
 impl Key {
@@ -151,12 +178,13 @@ impl Key {
         if s >= 1.0 {
             return to.affine;
         }
+        let translation = self.translation.lerp(to.translation, s);
+        if self.affine.matrix3 == to.affine.matrix3 {
+            return DAffine3 { matrix3: self.affine.matrix3, translation };
+        }
         let stretch = self.stretch * (1.0 - s) + to.stretch * s;
         let rotation = slerp(self.rotation, to.rotation, s);
-        DAffine3 {
-            matrix3: DMat3::from_quat(rotation) * stretch,
-            translation: self.translation.lerp(to.translation, s),
-        }
+        DAffine3 { matrix3: DMat3::from_quat(rotation) * stretch, translation }
     }
 }
 

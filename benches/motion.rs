@@ -1,0 +1,120 @@
+//! Boxes that a ray meets, and time a ray, against how far objects move, for each way to index them.
+//!
+//! `cargo bench -p benches --bench motion`: a table, and the picture `target/tmp/motion.svg` beside the model.
+
+use std::f64::consts::PI;
+use std::path::Path;
+use std::time::Instant;
+
+use glam::{DAffine3, DVec3, Vec3};
+use plotters::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use renderer::accel::{Accel, MotionIndex, Object};
+use renderer::math::transform::Motion;
+use renderer::ray::Ray;
+use renderer::sampling::warp;
+use renderer::shapes::{Shape, ShapeSettings};
+
+/// Lengths of the motion in sides of the cubes.
+const LENGTHS: [f64; 8] = [0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 6.0, 8.0];
+
+const INDICES: [(&str, MotionIndex); 4] = [
+    ("swept", MotionIndex::Swept),
+    ("interpolated", MotionIndex::Interpolated(1)),
+    ("interpolated, 4 segments", MotionIndex::Interpolated(4)),
+    ("chosen", MotionIndex::Chosen),
+];
+
+/// How much larger the box is on average that a cube of side 1 sweeps on a way of `m` in a random direction d:
+/// Σ (1 + m|dᵢ|)(1 + m|dⱼ|) / 3 over the pairs of axes, with E|dᵢ| = 1/2 and E|dᵢdⱼ| = 2/3π.
+fn model(m: f64) -> f64 {
+    1.0 + m + m * m * 2.0 / (3.0 * PI)
+}
+
+fn main() {
+    let rng = &mut Pcg64::seed_from_u64(0);
+    let ways: Vec<Vec3> = (0..1000).map(|_| warp::square_to_sphere([rng.random(), rng.random()])).collect();
+    let ways: Vec<DVec3> = ways.iter().map(|way| way.as_dvec3()).collect();
+    let places: Vec<DVec3> = ways.iter().map(|_| place(rng).as_dvec3()).collect();
+    let rays: Vec<Ray> = (0..100_000).map(|_| ray(rng)).collect();
+    let mut curves = Vec::new();
+    println!(
+        "{:26} {:>6} {:>10} {:>10} {:>8} {:>9}",
+        "index", "length", "leaf boxes", "to rest", "model", "ns a ray"
+    );
+    for (name, index) in INDICES {
+        let mut curve: Vec<(f64, f64)> = Vec::new();
+        let mut rest = 0.0;
+        for m in LENGTHS {
+            let objects = places.iter().zip(&ways).map(|(place, way)| cube(*place, *way * m)).collect();
+            let accel = Accel::indexed(objects, [0.0, 1.0], index);
+            let mut hits = Vec::new();
+            let start = Instant::now();
+            rays.chunks(4096).for_each(|batch| accel.closest(batch, &mut hits));
+            let time = start.elapsed().as_secs_f64() * 1e9 / rays.len() as f64;
+            let met = accel.boxes_met(&rays)[1] as f64 / rays.len() as f64;
+            if m == 0.0 {
+                rest = met;
+            }
+            println!("{name:26} {m:6} {met:10.3} {:10.2} {:8.2} {time:9.0}", met / rest, model(m));
+            curve.push((m, met / rest));
+        }
+        curves.push((name, curve));
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("motion.svg");
+    match draw(&path, &curves) {
+        Ok(()) => println!("drawn in {}", path.display()),
+        Err(error) => println!("{}: {error}", path.display()),
+    }
+}
+
+fn place(rng: &mut Pcg64) -> Vec3 {
+    let mut coordinate = || 40.0 * rng.random::<f32>() - 20.0;
+    Vec3::new(coordinate(), coordinate(), coordinate())
+}
+
+fn ray(rng: &mut Pcg64) -> Ray {
+    let origin = 50.0 * warp::square_to_sphere([rng.random(), rng.random()]);
+    Ray::new(origin, (place(rng) - origin).normalize(), rng.random())
+}
+
+/// A cube of side 1 that moves by `way` around `place` while the shutter is open; every cube has the same motion's form,
+/// so that the boxes at length 0 are those of objects at rest.
+fn cube(place: DVec3, way: DVec3) -> Object {
+    let small = DAffine3::from_scale(DVec3::splat(0.5));
+    let shape = Shape::new(&ShapeSettings::Cube, &small, false);
+    let at = |s: f64| DAffine3::from_translation(place + way * s);
+    let motion = Motion::keyed(vec![(0.0, at(-0.5)), (1.0, at(0.5))]);
+    Object::moving(shape.expect("a regular shape"), motion.expect("regular keys"))
+}
+
+fn draw(path: &Path, curves: &[(&str, Vec<(f64, f64)>)]) -> Result<(), Box<dyn std::error::Error>> {
+    let area = SVGBackend::new(path, (640, 420)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&area)
+        .caption("Leaf boxes met by a ray, in units of those at rest", ("sans-serif", 16))
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(44)
+        .build_cartesian_2d(0.0..8.0, (0.9..25.0).log_scale())?;
+    chart.configure_mesh().x_desc("length of the motion in sides of the cubes").draw()?;
+    let colors = [RED, BLUE, GREEN, BLACK];
+    for ((name, curve), color) in curves.iter().zip(colors) {
+        let line = LineSeries::new(curve.iter().copied(), color.stroke_width(2));
+        chart
+            .draw_series(line)?
+            .label(*name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
+    }
+    let dots = (0..=80).map(|i| f64::from(i) / 10.0).map(|m| Circle::new((m, model(m)), 1, RED.mix(0.5)));
+    chart.draw_series(dots)?.label("model, swept").legend(|(x, y)| Circle::new((x + 8, y), 2, RED.mix(0.5)));
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .border_style(BLACK)
+        .background_style(WHITE.mix(0.8))
+        .draw()?;
+    area.present()?;
+    Ok(())
+}
