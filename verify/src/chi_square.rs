@@ -297,6 +297,14 @@ impl<D: Domain> Target<D> {
         Ok(judge::resolution(self.expected()?, n))
     }
 
+    /// The same for a smooth error, which lies in the low-order contrasts.
+    ///
+    /// # Errors
+    /// `Density`, `Quadrature`, `TooFew`.
+    pub fn smooth_resolution(&self, n: u64) -> Result<f64, InputError> {
+        Ok(judge::smooth_resolution(self.expected()?, n))
+    }
+
     /// Tests counts of independent points.
     ///
     /// * `histogram`: of the shape that [`histogram`](Self::histogram) gives, with at least 10 samples;

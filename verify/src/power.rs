@@ -29,7 +29,7 @@ pub fn chi_square_critical(p: f64, dof: f64) -> f64 {
     while chi_square_sf(above, dof) > p {
         above *= 2.0;
     }
-    bisect([0.0, above], |x| chi_square_sf(x, dof) > p)
+    solve([0.0, above], |x| (chi_square_sf(x, dof) / p).ln())
 }
 
 /// Probability that a non-central chi-square statistic is at most `x`.
@@ -95,8 +95,8 @@ pub fn noncentral_sf(x: f64, dof: f64, lambda: f64) -> f64 {
 ///
 /// Returns: 0 where even λ = 0 leaves such a small statistic with less than `p`.
 pub fn lambda_upper(x: f64, dof: f64, p: f64) -> f64 {
-    let too_small = |lambda| noncentral_cdf(x, dof, lambda) > p;
-    if !too_small(0.0) { 0.0 } else { bisect(bracket(x, too_small), too_small) }
+    let excess = |lambda| (noncentral_cdf(x, dof, lambda) / p).ln();
+    if excess(0.0) > 0.0 { solve(bracket(x, excess), excess) } else { 0.0 }
 }
 
 /// The smallest λ that gives a statistic above `x` with probability at least `p`: the lower limit of λ at
@@ -104,8 +104,8 @@ pub fn lambda_upper(x: f64, dof: f64, p: f64) -> f64 {
 ///
 /// Returns: 0 where no defect is needed.
 pub fn lambda_lower(x: f64, dof: f64, p: f64) -> f64 {
-    let too_small = |lambda| noncentral_sf(x, dof, lambda) < p;
-    if !too_small(0.0) { 0.0 } else { bisect(bracket(x, too_small), too_small) }
+    let excess = |lambda| (p / noncentral_sf(x, dof, lambda)).ln();
+    if excess(0.0) > 0.0 { solve(bracket(x, excess), excess) } else { 0.0 }
 }
 
 /// Poisson probabilities from the first to the last that counts, and the first's index.
@@ -138,13 +138,44 @@ fn gamma_step(a: f64, y: f64) -> f64 {
     (a * y.ln() - y - ln_gamma(a + 1.0)).exp()
 }
 
-/// An interval from 0 to a λ that is no longer too small.
-fn bracket(x: f64, too_small: impl Fn(f64) -> bool) -> [f64; 2] {
+/// An interval from 0 to a λ at which a decreasing function is no longer positive.
+fn bracket(x: f64, excess: impl Fn(f64) -> f64) -> [f64; 2] {
     let mut high = x + 16.0;
-    while too_small(high) {
+    while excess(high) > 0.0 {
         high *= 2.0;
     }
     [0.0, high]
+}
+
+/// The root of a function that falls from positive to negative, to a relative 1e-10: by secants, with the value that stays behind
+/// halved so that both ends move (the Illinois rule), and by bisection where a value is infinite.
+///
+/// # Source
+/// Dowell and Jarratt 1971, 10.1007/BF01934364.
+fn solve([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+    let (mut at_low, mut at_high) = (f(low), f(high));
+    let mut was_low = None;
+    while high - low > 1e-10 * high {
+        let secant = low + (high - low) * (at_low / (at_low - at_high));
+        let next = if secant > low && secant < high { secant } else { 0.5 * (low + high) };
+        if next <= low || next >= high {
+            break;
+        }
+        let value = f(next);
+        if value.abs() < 1e-13 {
+            return next; // the probability is right to 1e-13 of itself, finer than it is computed
+        }
+        let is_low = value > 0.0;
+        if is_low {
+            (low, at_low) = (next, value);
+            at_high *= if was_low == Some(true) { 0.5 } else { 1.0 };
+        } else {
+            (high, at_high) = (next, value);
+            at_low *= if was_low == Some(false) { 0.5 } else { 1.0 };
+        }
+        was_low = Some(is_low);
+    }
+    0.5 * (low + high)
 }
 
 /// The place where a predicate turns from true to false, to a relative 1e-10.

@@ -52,7 +52,7 @@ pub(super) struct Split {
 /// # Source
 /// Neyman 1937, "Smooth test for goodness of fit", 10.1080/03461238.1937.10404821; its form for counts: Rayner and Best 1989,
 /// "Smooth tests of goodness of fit", chapter 5.
-pub(super) fn split(cells: Vec<Cell>) -> Split {
+pub(super) fn split(cells: Vec<Cell<CONTRASTS>>) -> Split {
     let cells = pool(cells.into_iter());
     let residuals: Vec<f64> = cells.iter().map(|c| (c.observed - c.expected) / c.expected.sqrt()).collect();
     let whole = dot(&residuals, &residuals);
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     /// A grid with 10 points expected a cell, whose counts follow a factor.
-    fn grid(columns: usize, rows: usize, factor: impl Fn([f64; 2]) -> f64) -> Vec<Cell> {
+    fn grid(columns: usize, rows: usize, factor: impl Fn([f64; 2]) -> f64) -> Vec<Cell<CONTRASTS>> {
         let middle = |i: usize, count: usize| (i as f64 + 0.5) / count as f64;
         let cell = |i: usize| {
             let place = [middle(i % columns, columns), middle(i / columns, rows)];

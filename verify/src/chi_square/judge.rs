@@ -62,12 +62,21 @@ const CELL_TESTS: usize = 3;
 
 /// The RMS relative error that n samples show with power 0.9 on the coarse grid, if no contrast has a part of it.
 pub(super) fn resolution(expected: &Expected, n: u64) -> f64 {
-    let n = n as f64;
-    let Split { rest, contrasts, .. } = split(coarse_cells(expected, None, n));
-    let dof = if rest.dof > 0.0 { rest.dof } else { contrasts.dof.max(1.0) };
+    let Split { rest, contrasts, .. } = split(coarse_cells(expected, None, n as f64));
+    least_seen(expected, if rest.dof > 0.0 { rest } else { contrasts }, n)
+}
+
+/// The same if all of it lies in the low-order contrasts.
+pub(super) fn smooth_resolution(expected: &Expected, n: u64) -> f64 {
+    least_seen(expected, split(coarse_cells(expected, None, n as f64)).contrasts, n)
+}
+
+/// The RMS relative error that one of the tests shows with power 0.9 at its share of the level.
+fn least_seen(expected: &Expected, test: Pearson, n: u64) -> f64 {
     let tests = CELL_TESTS + special(expected, None).len();
     let level = -((-REJECTION_LEVEL).ln_1p() / tests as f64).exp_m1(); // the inverse of `any`
-    (lambda_lower(chi_square_critical(level, dof), dof, POWER) / n).sqrt()
+    let dof = test.dof.max(1.0);
+    (lambda_lower(chi_square_critical(level, dof), dof, POWER) / n as f64).sqrt()
 }
 
 /// The probability that the smallest of independent p-values is as small (Šidák).
@@ -81,7 +90,7 @@ fn degrees_of_freedom(expected: &Expected) -> f64 {
 }
 
 /// The cells of the coarse grid, with expectations that sum to `n`; without a histogram as if nothing had been observed.
-fn coarse_cells(expected: &Expected, histogram: Option<&Histogram>, n: f64) -> Vec<Cell> {
+fn coarse_cells(expected: &Expected, histogram: Option<&Histogram>, n: f64) -> Vec<Cell<CONTRASTS>> {
     let [columns, rows] = expected.coarse.shape;
     let counts = histogram.map(|histogram| coarse_counts(expected, histogram));
     let observed = |i: usize| counts.as_ref().map_or(0.0, |counts| counts[i] as f64);

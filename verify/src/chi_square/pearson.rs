@@ -2,7 +2,6 @@
 
 use statrs::function::gamma::ln_gamma;
 
-use super::contrasts::CONTRASTS;
 use crate::power::chi_square_sf;
 
 /// Expected count below which cells are pooled: the usual limit for the chi-square approximation.
@@ -25,16 +24,16 @@ impl Pearson {
 
 /// A cell or several pooled ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cell {
+pub(super) struct Cell<const K: usize> {
     pub(super) observed: f64,
     pub(super) expected: f64,
     /// The contrasts' values times the expectation, so that pooling adds them.
-    pub(super) contrasts: [f64; CONTRASTS],
+    pub(super) contrasts: [f64; K],
 }
 
-impl Cell {
+impl<const K: usize> Cell<K> {
     /// * `contrasts`: values at the cell.
-    pub(super) fn new(observed: f64, expected: f64, contrasts: [f64; CONTRASTS]) -> Self {
+    pub(super) fn new(observed: f64, expected: f64, contrasts: [f64; K]) -> Self {
         Self { observed, expected, contrasts: contrasts.map(|value| value * expected) }
     }
 
@@ -46,7 +45,7 @@ impl Cell {
 }
 
 /// Pearson's statistic: Σ (o − e)²/e.
-pub(super) fn pearson(cells: &[Cell]) -> f64 {
+pub(super) fn pearson<const K: usize>(cells: &[Cell<K>]) -> f64 {
     cells.iter().map(|c| (c.observed - c.expected) * (c.observed - c.expected) / c.expected).sum()
 }
 
@@ -63,7 +62,7 @@ pub(super) fn pearson_within(blocks: impl Iterator<Item = Vec<(f64, f64)>>) -> P
         let possible = || block.iter().filter(|(_, e)| *e > 0.0);
         let (o, e) = possible().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
         if o > 0.0 {
-            let cells = pool(possible().map(|cell| Cell::new(cell.0, cell.1 * o / e, [0.0; CONTRASTS])));
+            let cells = pool(possible().map(|cell| Cell::new(cell.0, cell.1 * o / e, [])));
             statistic += pearson(&cells);
             dof += cells.len() as f64 - 1.0;
         }
@@ -73,11 +72,11 @@ pub(super) fn pearson_within(blocks: impl Iterator<Item = Vec<(f64, f64)>>) -> P
 
 /// Joins cells of expectation below 5, the rarest first, until each has at least 5; what remains joins the
 /// smallest other cell. Cells of expectation 0 take no part.
-pub(super) fn pool(cells: impl Iterator<Item = Cell>) -> Vec<Cell> {
+pub(super) fn pool<const K: usize>(cells: impl Iterator<Item = Cell<K>>) -> Vec<Cell<K>> {
     let (mut large, mut rare): (Vec<_>, Vec<_>) =
         cells.filter(|c| c.expected > 0.0).partition(|c| c.expected >= POOLED_BELOW);
     rare.sort_by(|a, b| a.expected.total_cmp(&b.expected));
-    let empty = Cell::new(0.0, 0.0, [0.0; CONTRASTS]);
+    let empty = Cell::new(0.0, 0.0, [0.0; K]);
     let mut pool = empty;
     for cell in &rare {
         pool.join(cell);
@@ -141,8 +140,8 @@ fn sum_terms(first: f64, mut k: f64, ratio: impl Fn(f64) -> f64, step: f64) -> f
 mod tests {
     use super::*;
 
-    fn cell((observed, expected): (f64, f64)) -> Cell {
-        Cell::new(observed, expected, [0.0; CONTRASTS])
+    fn cell((observed, expected): (f64, f64)) -> Cell<0> {
+        Cell::new(observed, expected, [])
     }
 
     #[test]
@@ -168,9 +167,9 @@ mod tests {
         let pooled = pool(cells.map(cell).into_iter());
         assert_eq!(pooled, [(9.0, 10.0), (8.0 + 3.0, 7.5 + 4.5)].map(cell)); // 0.5 + 1 + 2 + 4, then 4.5 remains
         assert_eq!(pool([(1.0, 2.0), (2.0, 1.0)].map(cell).into_iter()), [(3.0, 3.0)].map(cell));
-        let mut joined = Cell::new(1.0, 2.0, [3.0; CONTRASTS]);
-        joined.join(&Cell::new(1.0, 1.0, [6.0; CONTRASTS]));
-        assert_eq!(joined.contrasts, [12.0; CONTRASTS]); // 2·3 + 1·6
+        let mut joined = Cell::new(1.0, 2.0, [3.0]);
+        joined.join(&Cell::new(1.0, 1.0, [6.0]));
+        assert_eq!(joined.contrasts, [12.0]); // 2·3 + 1·6
     }
 
     #[test]
