@@ -31,6 +31,7 @@ mod draw;
 mod expected;
 mod judge;
 mod pearson;
+mod smooth;
 
 use crate::claim::{Claim, Evidence, Level, Outcome, Run, claim};
 use crate::domain::Domain;

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use super::smooth::Smooth;
 use crate::domain::Domain;
 use crate::error::InputError;
 use crate::histogram::coarsen;
@@ -159,13 +160,23 @@ fn integrated<D: Domain>(
         bad.set(Some((value, square)));
         0.0
     };
-    let (mut probabilities, mut errors) = (Vec::with_capacity(shape[0] * shape[1]), Vec::new());
-    for index in 0..shape[0] * shape[1] {
-        let edges = |i: usize, count: usize| [i, i + 1].map(|i| i as f64 / count as f64);
-        let rectangle = [edges(index % shape[0], shape[0]), edges(index / shape[0], shape[1])];
-        let integral = integrate_2d(&f, rectangle, TOLERANCE);
-        probabilities.push(integral.value);
-        errors.push(integral.error);
+    let edges = |i: usize, count: usize| [i, i + 1].map(|i| i as f64 / count as f64);
+    let rectangle = |[x, y]: [usize; 2], [columns, rows]: [usize; 2]| [edges(x, columns), edges(y, rows)];
+    let ([columns, rows], factor) = (domain.coarse_grid(), domain.refinement());
+    let smooth = Smooth::on(factor);
+    let (mut probabilities, mut errors) = (vec![0.0; shape[0] * shape[1]], vec![0.0; shape[0] * shape[1]]);
+    for block in 0..columns * rows {
+        let corner = [block % columns, block / columns];
+        let cells = smooth.integrals(&f, rectangle(corner, [columns, rows]), TOLERANCE.relative);
+        for part in 0..factor[0] * factor[1] {
+            let place = [corner[0] * factor[0] + part % factor[0], corner[1] * factor[1] + part / factor[0]];
+            let integral = match &cells {
+                Some(cells) => cells[part],
+                None => integrate_2d(&f, rectangle(place, shape), TOLERANCE),
+            };
+            let cell = place[1] * shape[0] + place[0];
+            (probabilities[cell], errors[cell]) = (integral.value, integral.error);
+        }
     }
     match bad.get() {
         Some((value, [x, y])) => {

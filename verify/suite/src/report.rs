@@ -5,8 +5,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use verify::claim::{ControlOutcome, Evidence, Level, Outcome, Verdict};
 
+pub mod calibration;
 pub mod picture;
 
+pub use calibration::Calibration;
 pub use picture::PictureData;
 
 /// Version of the format; a file of another version is refused.
@@ -41,6 +43,9 @@ pub struct Report {
     /// What numeric stability costs, routine by routine; empty where no `stable` claim ran.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stability: Vec<StabilityRow>,
+    /// Error rates of the tests themselves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub calibration: Vec<Calibration>,
 }
 
 /// A routine in its usual form and in ours: the worst error of either, and its time.

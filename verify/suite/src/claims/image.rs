@@ -54,7 +54,8 @@ pub fn set_references(folder: &Path) {
     REFERENCES.get_or_init(|| folder.to_owned());
 }
 
-fn references() -> &'static Path {
+/// Folder of the reference scenes and images.
+pub fn references() -> &'static Path {
     REFERENCES.get_or_init(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../references"))
 }
 

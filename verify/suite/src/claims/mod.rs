@@ -26,7 +26,7 @@ mod shutter;
 mod stable;
 mod warp;
 
-pub use image::set_references;
+pub use image::{references, set_references};
 pub use stable::table as stability_table;
 
 /// The groups that a claim's name may begin with.

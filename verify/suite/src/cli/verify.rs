@@ -13,7 +13,7 @@ use wildmatch::WildMatch;
 
 use super::output::{Words, is_stdout};
 use super::{CliError, Status, table, write_file};
-use crate::report::{self, ClaimReport, Report, StabilityRow};
+use crate::report::{self, Calibration, ClaimReport, Report, StabilityRow};
 use crate::runner::{self, Settings};
 use crate::{claims, gallery, page};
 
@@ -179,6 +179,7 @@ fn run_claims(args: &Args, chosen: Vec<&Claim>, threads: usize) -> Result<Report
         errors,
         gallery: gallery::take(),
         stability: stability(&chosen)?,
+        calibration: calibration(&args.report)?,
     })
 }
 
@@ -188,6 +189,16 @@ fn stability(chosen: &[&Claim]) -> Result<Vec<StabilityRow>, CliError> {
         return Ok(Vec::new());
     }
     claims::stability_table().map_err(CliError::Stability)
+}
+
+/// Error rates of the tests: the committed long form, and the short form where the tests have left it beside the page.
+fn calibration(report: &Path) -> Result<Vec<Calibration>, CliError> {
+    let folders = [claims::references().join("calibration"), report.join("calibration")];
+    let read = |folder: &PathBuf| {
+        report::calibration::read(folder)
+            .map_err(|(path, message)| CliError::Sidecar { path: PathBuf::from(path), message })
+    };
+    Ok(folders.iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 /// Seconds that claims took in the report that is about to be replaced; nothing where there is none that can be read.

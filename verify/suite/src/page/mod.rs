@@ -5,6 +5,7 @@ use verify::claim::Verdict;
 
 use crate::report::Report;
 
+mod calibration;
 mod chart;
 mod claim;
 pub(crate) mod colour;
@@ -35,6 +36,7 @@ pub fn html(report: &Report) -> String {
                 (errors(report))
                 (groups::sections(&report.claims))
                 (stability::section(&report.stability))
+                (calibration::section(&report.calibration))
                 (footer(report))
             }
         }

@@ -1,0 +1,57 @@
+//! A chi-square test of a million samples on both grids, beside the warp that it tests.
+
+use std::f64::consts::{PI, TAU};
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use verify::chi_square::ChiSquare;
+use verify::domain::{Directions, Disk};
+use verify::points::fill;
+
+const SAMPLES: u64 = 1_000_000;
+
+/// A cheap warp to the disk.
+fn disk([u, v]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = (TAU * v).sin_cos();
+    [u.sqrt() * cos, u.sqrt() * sin]
+}
+
+fn lobe(u: [f64; 2]) -> [f64; 3] {
+    let [x, y] = disk(u);
+    [x, y, (1.0 - u[0]).sqrt()]
+}
+
+fn numbers(index: u64) -> [f64; 2] {
+    let mut u = [0.0; 2];
+    fill(1, index, &mut u);
+    u
+}
+
+fn chi_square(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("chi-square of a million samples");
+    group.sample_size(10);
+    group.bench_function("the warp alone", |bench| {
+        bench.iter(|| (0..SAMPLES).map(|i| disk(numbers(i))).fold(0.0, |sum, [x, y]| sum + x * y));
+    });
+    group.bench_function("disk", |bench| {
+        bench.iter(|| {
+            // The expectations are integrated anew each time, from a density that the test does not know to be constant.
+            let target = ChiSquare::on(Disk::unit()).density(|p| black_box(p)[0].mul_add(0.0, 1.0 / PI));
+            let mut histogram = target.histogram();
+            (0..SAMPLES).for_each(|i| target.add(&mut histogram, disk(numbers(i))));
+            target.judge(&histogram, 0.02)
+        });
+    });
+    group.bench_function("cosine lobe", |bench| {
+        bench.iter(|| {
+            let target = ChiSquare::on(Directions::hemisphere()).density(|[_, _, z]| black_box(z) / PI);
+            let mut histogram = target.histogram();
+            (0..SAMPLES).for_each(|i| target.add(&mut histogram, lobe(numbers(i))));
+            target.judge(&histogram, 0.02)
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, chi_square);
+criterion_main!(benches);
