@@ -72,13 +72,14 @@ const SLOPE: Kind = Kind {
     resolution: stated,
 };
 
-/// Two images of 32×16 pixels from four replicates a side; the noise of a pixel is as large as its value, A brighter by `defect` percent.
+/// Two images of 32×16 pixels from four replicates a side; the noise of a pixel is a fifth of its value, so that
+/// a brighter image is hardly noisier, and A is brighter by `defect` percent.
 fn image_trial(seed: u64, defect: f64) -> Comparison {
     const PIXELS: usize = 32 * 16;
     let side = |stream: Stream, factor: f64| {
         let pixel = |i: usize| {
             let truth = factor * (0.1 + (i % 32) as f64 / 32.0);
-            (0..4).map(|_| truth * (1.0 + stream.normal())).collect::<Moments>().estimate()
+            (0..4).map(|_| truth * (1.0 + 0.2 * stream.normal())).collect::<Moments>().estimate()
         };
         let pixels: Vec<_> = (0..PIXELS).map(pixel).collect();
         let errors: Vec<f64> = pixels.iter().map(|p| p.standard_error).collect();
