@@ -23,7 +23,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file's content is not what its format says.
-    #[error("{}: {message}", place(path, *line, *column))]
+    #[error("{}: {}", place(path, *line, *column), one_line(message))]
     Format {
         /// The file.
         path: PathBuf,
@@ -35,7 +35,7 @@ pub enum Error {
         message: String,
     },
     /// A valid file that asks for something that is not built.
-    #[error("{}: {feature} is not supported; {accepted}", place(path, *line, *column))]
+    #[error("{}: {} is not supported; {accepted}", place(path, *line, *column), one_line(feature))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -57,6 +57,15 @@ fn place(path: &Path, line: u32, column: u32) -> String {
         (_, 0) => format!("{}:{line}", path.display()),
         _ => format!("{}:{line}:{column}", path.display()),
     }
+}
+
+/// The message with the line breaks and other control characters that it quotes from a file written out, as `\n`.
+fn one_line(message: &str) -> String {
+    let mut line = String::with_capacity(message.len());
+    for c in message.chars() {
+        if c.is_control() { line.extend(c.escape_default()) } else { line.push(c) }
+    }
+    line
 }
 
 /// A parameter's value breaks an inequality.

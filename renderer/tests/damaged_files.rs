@@ -111,3 +111,27 @@ proptest! {
         }
     }
 }
+
+/// What the fuzzers start from, and the inputs that they found: `line-break.xml` made a message of two lines.
+#[test]
+fn the_fuzzers_inputs_are_read_or_refused_in_one_line() {
+    use renderer::io::mesh::{MeshFormat, parse};
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    let mut count = 0;
+    for kind in ["scene", "ply", "obj", "exr"] {
+        for entry in fs::read_dir(corpus.join(kind)).unwrap() {
+            let path = entry.unwrap().path();
+            let bytes = fs::read(&path).unwrap();
+            let refused = match kind {
+                "scene" => read_scene(&path, &[]).err(),
+                "ply" => parse(&path, &bytes, MeshFormat::Ply).err(),
+                "obj" => parse(&path, &bytes, MeshFormat::Obj).err(),
+                _ => renderer::io::exr::decode(&path, &bytes).err(),
+            };
+            let message = refused.map(|error| error.to_string()).unwrap_or_default();
+            assert!(!message.contains('\n'), "{message}");
+            count += 1;
+        }
+    }
+    assert!(count >= 13, "{count} inputs");
+}
