@@ -1,10 +1,32 @@
-//! Laws that hold for every input: maps and their inverses, frames, densities that integrate to one.
+//! Laws that hold for every input: maps and their inverses, frames, choices, moving bodies, rays, densities that
+//! integrate to one. `VERIFY_LEVEL` multiplies the cases as it does those of claims.
 
-use glam::{Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
+use renderer::accel::{Accel, Object};
 use renderer::math::Frame;
 use renderer::math::float::unit_f32;
+use renderer::math::transform::Motion;
+use renderer::ray::Ray;
+use renderer::sampling::Discrete;
 use renderer::sampling::warp::*;
+use renderer::shapes::{Shape, ShapeSettings};
+
+/// 10,000 cases a law; 8 and 64 times as many at the levels standard and exhaustive.
+fn config() -> ProptestConfig {
+    let factor = match std::env::var("VERIFY_LEVEL").as_deref() {
+        Ok("standard") => 8,
+        Ok("exhaustive") => 64,
+        _ => 1,
+    };
+    let regressions = FileFailurePersistence::WithSource("proptest-regressions");
+    ProptestConfig {
+        cases: 10_000 * factor,
+        failure_persistence: Some(Box::new(regressions)),
+        ..ProptestConfig::default()
+    }
+}
 
 /// 2⁻²⁴, the relative size of one rounding.
 const ROUNDING: f32 = f32::EPSILON / 2.0;
@@ -35,6 +57,8 @@ fn around(a: f32, b: f32) -> f32 {
 const TURN: f32 = 8.0 * ROUNDING;
 
 proptest! {
+    #![proptest_config(config())]
+
     #[test]
     fn disk_and_back(u in inner()) {
         let back = disk_to_square(square_to_disk(u));
@@ -151,6 +175,111 @@ proptest! {
         // Six products of numbers below 1 and a basis that is orthonormal to 5 roundings.
         let limit = (6.0 + 3.0 * 5.0) * ROUNDING;
         prop_assert!((frame.to_local(frame.to_world(v)) - v).abs().max_element() <= limit, "{z} {v}");
+    }
+}
+
+fn point(size: f64) -> impl Strategy<Value = DVec3> {
+    [-size..size, -size..size, -size..size].prop_map(DVec3::from)
+}
+
+/// Turns, shifts and uniform scales, a third of them mirrored.
+fn place() -> impl Strategy<Value = DAffine3> {
+    (point(3.0), point(4.0), 0.2..1.5_f64, 0..3_u8).prop_map(|(turn, shift, scale, kind)| {
+        let mirror = if kind == 0 { DVec3::new(-scale, scale, scale) } else { DVec3::splat(scale) };
+        DAffine3::from_scale_rotation_translation(mirror, DQuat::from_scaled_axis(turn), shift)
+    })
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    let settings = prop_oneof![
+        Just(ShapeSettings::Rectangle),
+        Just(ShapeSettings::Disk),
+        Just(ShapeSettings::Cube),
+        (point(1.0), 0.1..1.0_f64).prop_map(|(center, radius)| ShapeSettings::Sphere { center, radius }),
+        (point(1.0), 0.1..1.0_f64).prop_map(|(p0, radius)| ShapeSettings::Cylinder {
+            p0,
+            p1: p0 + DVec3::ONE,
+            radius
+        }),
+    ];
+    (settings, place()).prop_map(|(settings, to)| Shape::new(&settings, &to, false).unwrap())
+}
+
+fn flat() -> impl Strategy<Value = Shape> {
+    let settings = prop_oneof![Just(ShapeSettings::Rectangle), Just(ShapeSettings::Disk)];
+    (settings, place()).prop_map(|(settings, to)| Shape::new(&settings, &to, false).unwrap())
+}
+
+/// A body at rest, or moving between two keys that are mirrored both or not at all.
+fn object(shape: impl Strategy<Value = Shape>) -> impl Strategy<Value = Object> {
+    (shape, place(), place(), any::<bool>()).prop_map(|(shape, from, to, moves)| {
+        let same = from.matrix3.determinant() * to.matrix3.determinant() > 0.0;
+        let to = if same { to } else { to * DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)) };
+        if moves {
+            Object::moving(shape, Motion::keyed(vec![(0.0, from), (1.0, to)]).unwrap())
+        } else {
+            Object::still(shape)
+        }
+    })
+}
+
+/// The nearest distance by trying every element of every object.
+fn every_element(objects: &[Object], ray: &Ray) -> Option<f32> {
+    let mut query = *ray;
+    for object in objects {
+        for element in 0..object.shape.element_count() {
+            if let Some(hit) = object.shape.intersect(element, &object.to_object(&query)) {
+                query.t_max = hit.t;
+            }
+        }
+    }
+    (query.t_max < ray.t_max).then_some(query.t_max)
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn a_body_stays_in_its_box_while_the_shutter_is_open(object in object(shape()), u in [unit(), unit()], time in 0.0..=1.0_f32) {
+        let (surface, pdf) = object.sample_area(u, time);
+        // The point is rounded; its error bound says by how much.
+        let bounds = object.bounds([0.0, 1.0]).grown(surface.error.as_dvec3());
+        prop_assert!(bounds.contains(surface.point.as_dvec3()), "{:?} {bounds:?}", surface.point);
+        prop_assert!(pdf > 0.0 && pdf.is_finite(), "{pdf}");
+    }
+
+    #[test]
+    fn the_nearest_hit_is_the_least_of_all(
+        objects in prop::collection::vec(object(shape()), 0..5), from in point(8.0), to in point(4.0), time in 0.0..=1.0_f32,
+    ) {
+        let ray = Ray::new(from.as_vec3(), (to - from).normalize().as_vec3(), time);
+        let accel = Accel::new(objects, [0.0, 1.0]);
+        let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+        accel.closest(&[ray], &mut hits);
+        accel.occluded(&[ray], &mut blocked);
+        prop_assert_eq!(hits[0].map(|h| h.t), every_element(accel.objects(), &ray));
+        prop_assert_eq!(hits[0].is_some(), blocked[0]);
+    }
+
+    #[test]
+    fn a_ray_that_leaves_a_flat_body_does_not_meet_it_again(
+        object in object(flat()), u in [unit(), unit()], w in unit_vector(), time in 0.0..=1.0_f32,
+    ) {
+        let (surface, _) = object.sample_area(u, time);
+        prop_assume!(surface.ng.dot(w) != 0.0);
+        let ray = object.to_object(&surface.spawn(w, time));
+        prop_assert_eq!(object.shape.intersect(0, &ray), None);
+    }
+
+    #[test]
+    fn a_choice_has_the_probability_that_it_says(weights in prop::collection::vec(0.0..1.0_f64, 1..20), u in unit()) {
+        let Ok(discrete) = Discrete::new(&weights) else { return Ok(()) };
+        let chosen = discrete.sample(u);
+        prop_assert!(weights[chosen.index] > 0.0 && chosen.pmf == discrete.pmf(chosen.index));
+        prop_assert!((0.0..1.0).contains(&chosen.u));
+        // One rounding of a share of at most 1 to f32, and a few of 2⁻⁵³ a weight before.
+        let exact = weights[chosen.index] / weights.iter().sum::<f64>();
+        prop_assert!((f64::from(chosen.pmf) - exact).abs() <= f64::from(ROUNDING), "{chosen:?} {exact}");
     }
 }
 
