@@ -187,9 +187,9 @@ impl<I: Integrator> Finish<'_, I> {
             });
         };
         if self.settings.threads == 0 {
-            work()
+            work();
         } else {
-            pool(self.settings.threads)?.install(work)
+            pool(self.settings.threads)?.install(work);
         }
         Ok(part.into_inner().unwrap_or_else(PoisonError::into_inner))
     }

@@ -94,12 +94,12 @@ impl Kernel {
     #[must_use]
     pub fn cumulative(&self, x: f64) -> f64 {
         let a = x.abs().min(self.radius());
-        let share = self.from_middle(a) / (2.0 * self.from_middle(self.radius()));
+        let share = self.at_distance(a) / (2.0 * self.at_distance(self.radius()));
         0.5 + share.copysign(x)
     }
 
     /// ∫₀ᵃ f.
-    fn from_middle(&self, a: f64) -> f64 {
+    fn at_distance(&self, a: f64) -> f64 {
         match *self {
             Self::Box { .. } => a,
             Self::Tent { radius } => a * (1.0 - 0.5 * a / radius),
@@ -145,7 +145,7 @@ impl Kernel {
         if s == 0.0 {
             return self.cumulative(distance);
         }
-        let mass = 2.0 * self.from_middle(self.radius());
+        let mass = 2.0 * self.at_distance(self.radius());
         let row = |y: f64| self.eval(y) / mass * self.cumulative((distance - y * s) / c);
         let jumps = self.knots().into_iter().flat_map(|k| [k, (distance - c * k) / s]);
         piecewise(&row, self.radius(), jumps)
@@ -181,7 +181,7 @@ impl Kernel {
 
     fn response_by_quadrature(&self, f: f64) -> f64 {
         let wave = |x: f64| self.eval(x) * (2.0 * PI * f * x).cos();
-        piecewise(&wave, self.radius(), self.knots()) / (2.0 * self.from_middle(self.radius()))
+        piecewise(&wave, self.radius(), self.knots()) / (2.0 * self.at_distance(self.radius()))
     }
 
     /// ∫|f|/∫f of one axis: above 1 for filters with negative lobes.
@@ -191,7 +191,7 @@ impl Kernel {
     pub fn absolute_mass(&self) -> f64 {
         let zeros = (1..8).map(f64::from).chain([self.cubic_root()]).flat_map(|x| [x, -x]);
         let all = self.knots().into_iter().chain(zeros);
-        piecewise(&|x| self.eval(x).abs(), self.radius(), all) / (2.0 * self.from_middle(self.radius()))
+        piecewise(&|x| self.eval(x).abs(), self.radius(), all) / (2.0 * self.at_distance(self.radius()))
     }
 
     /// Where the cubic's outer piece changes sign, between 1 and 2; 1 for other kernels.
@@ -317,7 +317,7 @@ mod tests {
         }
         for kernel in ALL {
             let r = kernel.radius();
-            let mass = (2.0 * kernel.from_middle(r)).powi(2);
+            let mass = (2.0 * kernel.at_distance(r)).powi(2);
             let inside = |[x, y]: [f64; 2]| {
                 if 0.6 * x + 0.8 * y < 0.35 { kernel.eval(x) * kernel.eval(y) / mass } else { 0.0 }
             };

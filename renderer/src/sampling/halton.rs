@@ -127,7 +127,7 @@ impl Sampler for Halton {
             Some(rank) => (sample.index, rank, key),
             None => (self.shuffled(sample.index, key), 0, key.child(sample.index >> (self.bits - 1) >> 1)),
         };
-        [0, 1].map(|k| self.number(index, rank + k, key.child(k as u32)))
+        [(0, 0), (1, 1)].map(|(k, child)| self.number(index, rank + k, key.child(child)))
     }
 }
 

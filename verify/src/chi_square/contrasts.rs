@@ -107,7 +107,7 @@ mod tests {
         let smooth = split(grid(14, 14, |[x, y]| 1.0 + 0.3 * (x - 0.5) * (y - 0.5)));
         assert_eq!((smooth.contrasts.dof, smooth.rest.dof, smooth.whole.dof), (14.0, 181.0, 195.0));
         assert!(smooth.rest.statistic < 1e-9 && smooth.contrasts.statistic > 0.1); // rounding of 196 terms
-        let sign = |x: f64| if (14.0 * x) as u32 % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |x: f64| if (7.0 * x).fract() < 0.5 { 1.0 } else { -1.0 };
         let checker = split(grid(14, 14, |[x, y]| 1.0 + 0.1 * sign(x) * sign(y)));
         // The signs of 14 columns have the share (2k + 1)/14² along the polynomial of odd degree k: (3² + 2·3·7)/14⁴ = 1.3e-3 in all.
         assert!(checker.contrasts.statistic < 2e-3 * checker.rest.statistic);

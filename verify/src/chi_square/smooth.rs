@@ -22,11 +22,11 @@ type Row = [f64; NODES];
 /// Tables for a division of coarse cells into fine ones.
 pub(super) struct Smooth {
     nodes: Row,
-    /// At each node, weight · P_k · (2k + 1)/2 for each degree k: sums with them give Legendre's coefficients.
+    /// At each node, weight · Pₖ · (2k + 1)/2 for each degree k: sums with them give Legendre's coefficients.
     analysis: [Row; NODES],
-    /// For each fine column and row, P_k at its middle.
+    /// For each fine column and row, Pₖ at its middle.
     middles: [Vec<Row>; 2],
-    /// For each fine column and row, ∫ P_k over it, as a share of the coarse cell's length.
+    /// For each fine column and row, ∫ Pₖ over it, as a share of the coarse cell's length.
     integrals: [Vec<Row>; 2],
 }
 

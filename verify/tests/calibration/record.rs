@@ -138,7 +138,9 @@ fn binomial_limits(n: u64, p: f64) -> [u64; 2] {
     let mut below = 0.0;
     let cumulative = all.into_iter().map(|(k, w)| {
         below += w / total;
-        (k as u64, below)
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from 0 to n")]
+        let count = k as u64;
+        (count, below)
     });
     let cumulative: Vec<(u64, f64)> = cumulative.collect();
     [0.5 * FALSE_ALARM, 1.0 - 0.5 * FALSE_ALARM]

@@ -275,7 +275,7 @@ fn energy() -> Claim {
         "motion spreads a disk's light and keeps its flux, however long the shutter is open",
     )
     .rejects("2.2 × resolution", move |run| joint_control(&claims, run, |i, s| control(i, s)))
-    .rejects("the disk 2 % larger", move |run| joint_evidence(&claims, run, |i, s| larger(i, s)))
+    .rejects("the disk 2 % larger", move |run| joint_evidence(&claims, run, &larger))
     .by(move |run| joint_evidence(&claims, run, |i, s| right(i, s)))
     .from_level(Level::Standard)
 }

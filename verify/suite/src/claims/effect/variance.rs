@@ -71,17 +71,15 @@ fn exact(set: &[Decision]) -> f64 {
 /// The claim.
 pub(super) fn total_effect() -> Claim {
     let claims = SETS.map(|set| MeanClaim::relative(exact(set), bounds::TOTAL_EFFECT));
-    let wrong = claims.clone();
-    let control = claims.clone();
     claim(
         "effect/variance/total-effect",
         "half the mean squared change when decisions are drawn anew is the variance they take part in, of a product",
     )
     .bound(bounds::TOTAL_EFFECT)
-    .rejects("2.2 × resolution", move |run| joint_control(&control, run, part()))
+    .rejects("2.2 × resolution", move |run| joint_control(&claims, run, part()))
     .rejects("the squared change not halved", move |run| {
         let part = part();
-        joint_evidence(&wrong, run, |k, seed| 2.0 * part(k, seed))
+        joint_evidence(&claims, run, |k, seed| 2.0 * part(k, seed))
     })
     .by(move |run| joint_evidence(&claims, run, part()))
     .from_level(Level::Standard)

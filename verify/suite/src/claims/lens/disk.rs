@@ -136,7 +136,7 @@ fn flux() -> Claim {
         "a wider lens spreads a disk's light and keeps its flux; the image's second moment grows by half the squared radius of the circle of confusion",
     )
     .rejects("2.2 × resolution", move |run| joint_control(&claims_2, run, |i, s| control(i, s)))
-    .rejects("a lens 10 % wider", move |run| joint_evidence(&claims_3, run, |i, s| wide(i, s)))
+    .rejects("a lens 10 % wider", move |run| joint_evidence(&claims_3, run, &wide))
     .by(move |run: &Run| joint_evidence(&claims, run, |i, s| right(i, s)))
     .from_level(Level::Standard)
 }

@@ -18,7 +18,7 @@ pub(super) struct Header {
 /// Reads the header; the numbers follow.
 ///
 /// # Source
-/// NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays".
+/// `NumPy` Enhancement Proposal 1, "A Simple File Format for `NumPy` Arrays".
 pub(super) fn header(file: &mut impl Read) -> Result<Header, String> {
     let mut start = [0; 8];
     file.read_exact(&mut start)
