@@ -35,8 +35,8 @@ const SCENES: [(&str, &str, u32, f64, Level); 7] = [
         Level::Quick,
     ),
     ("thin-lens", "spheres at several depths: depth of field", 32, bounds::IMAGE_PERCENT, Level::Quick),
-    ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT, Level::Quick),
-    ("glass", "glass and rough metal", 96, bounds::IMAGE_PERCENT, Level::Quick),
+    ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT, Level::Standard),
+    ("glass", "glass and rough metal", 96, bounds::IMAGE_PERCENT, Level::Standard),
     ("mesh", "triangle meshes with smooth normals", 16, bounds::IMAGE_PERCENT, Level::Standard),
     ("textured", "textures", 48, bounds::INTER_REFLECTION_PERCENT, Level::Standard),
 ];

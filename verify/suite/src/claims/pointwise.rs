@@ -22,9 +22,9 @@ pub(super) fn never<const N: usize>(
 
 /// How many points the rare form of a control is wrong at.
 ///
-/// A share that is caught with 90 % power means ln 10 = 2.3 points; these are nine times as many. A wrong version that misses at half of its points
-/// escapes all of them with probability 2⁻²¹ = 5e-7.
-const RARE: u64 = 21;
+/// A share that is caught with 90 % power means ln 10 = 2.3 points; these are 17 times as many. A wrong version that misses at 40 % of its points
+/// escapes all of them with probability 0.6⁴⁰ = 1e-9.
+const RARE: u64 = 40;
 
 /// Adds two controls to a claim that [`never`] completes: a wrong version, which misses, and a part that is that version at [`RARE`] points only.
 pub(super) fn rejecting<const N: usize>(

@@ -54,7 +54,8 @@ pub(super) fn claims() -> Vec<Claim> {
         .from_level(Level::Standard),
         same("relation/sampler/same-mean", "every sampler gives the same mean", || {
             SamplerKind::ALL.map(|sampler| Version { sampler, ..Version::of(room()) }).into()
-        }),
+        })
+        .from_level(Level::Standard),
         same(
             "relation/camera/rigid",
             "a scene and its camera, moved and turned together, give the same mean",
