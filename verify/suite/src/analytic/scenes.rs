@@ -22,12 +22,7 @@ use super::xml::{
 pub fn all() -> Vec<Analytic> {
     vec![
         edge("edge-tent", 0.4, Kernel::Tent { radius: 1.0 }, r#"<rfilter type="tent"/>"#),
-        edge(
-            "edge-mitchell",
-            1.1,
-            Kernel::Cubic { b: 1.0 / 3.0, c: 1.0 / 3.0 },
-            r#"<rfilter type="mitchell"/>"#,
-        ),
+        edge("edge-box", 1.1, Kernel::Box { radius: 0.5 }, r#"<rfilter type="box"/>"#),
         zone_plate(),
         lit_by_rectangle(),
         lit_by_sphere(),
