@@ -4,14 +4,14 @@ use super::{Kernel, piecewise};
 
 /// Moments that decide the bias of a ratio of means, for samples of a weight w and a value L.
 ///
-/// With μ = E[wL]/E[w], e = wL − μw and b = w: E[e] = 0 and the ratio's error is ē/b̄.
+/// With μ = E(wL)/E(w), e = wL − μw and b = w: E(e) = 0 and the ratio's error is ē/b̄.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RatioMoments {
     /// What the ratio tends to.
     pub limit: f64,
-    /// E[b].
+    /// E(b).
     pub mean: f64,
-    /// Var[b].
+    /// Var(b).
     pub variance: f64,
     /// Cov[e, b].
     pub covariance: f64,
