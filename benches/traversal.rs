@@ -19,7 +19,9 @@ use renderer::shapes::MeshData;
 const BATCH: usize = 4096;
 
 fn main() {
-    let rounds = std::env::args().skip(1).find_map(|a| a.parse().ok()).unwrap_or(7);
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let once = arguments.iter().any(|argument| argument == "--test");
+    let rounds = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(if once { 1 } else { 7 });
     let mesh = Arc::new(mesh(1e6));
     let start = Instant::now();
     let accel = accel(&mesh);
