@@ -85,12 +85,12 @@ fn unknown_things_are_refused_with_place_name_and_what_is_accepted() {
             &["s.xml:3:22: unknown <float> 'radios' in shape sphere;", "radius", "to_world", "<bsdf>"],
         ),
         (
-            r#"<bsdf type="roughdielectric" id="x"/>"#,
-            &["s.xml:3:7: bsdf plugin 'roughdielectric'", "dielectric"],
+            r#"<bsdf type="principled" id="x"/>"#,
+            &["s.xml:3:7: bsdf plugin 'principled' is not supported;", "dielectric"],
         ),
         (
-            r#"<bsdf type="roughconductor"><float name="alpha" value="0.1"/></bsdf>"#,
-            &["s.xml:3:1: distribution beckmann (Mitsuba's default) is not supported; ggx is accepted"],
+            r#"<bsdf type="roughconductor"><string name="distribution" value="phong"/></bsdf>"#,
+            &["s.xml:3:57: 'distribution' is 'phong'; beckmann, ggx are accepted"],
         ),
         (
             r#"<bsdf type="conductor"><string name="material" value="Xx"/></bsdf>"#,
@@ -182,7 +182,7 @@ fn films_of_no_or_too_many_pixels_are_refused() {
     );
     expect_parts(
         &film(r#"<rfilter type="sinc"/>"#),
-        &["s.xml:2:31: rfilter plugin 'sinc'", "box, gaussian, mitchell, tent"],
+        &["s.xml:2:31: rfilter plugin 'sinc'", "box, catmullrom, gaussian, lanczos, mitchell, tent"],
     );
 }
 

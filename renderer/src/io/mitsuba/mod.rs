@@ -10,6 +10,7 @@ mod document;
 mod emitters;
 mod files;
 mod integrators;
+mod metals;
 mod object;
 mod sensors;
 mod shapes;
