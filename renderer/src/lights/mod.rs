@@ -1,6 +1,7 @@
 //! Rank 6: where light comes from, and points on lights to connect to.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -10,14 +11,24 @@ use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 use crate::sampling::warp;
 
+<<<<<<< HEAD
 pub mod area;
+=======
+pub mod environment;
+>>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
 pub mod select;
+pub mod spot;
 
+<<<<<<< HEAD
 pub use area::{AreaLight, LightSampling};
+=======
+pub use environment::Environment;
+>>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
 pub use select::Lights;
+pub use spot::Spot;
 
 /// A source of light.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Light {
     /// A shape that emits.
     Area(AreaLight),
@@ -26,6 +37,8 @@ pub enum Light {
         /// Radiance [W m⁻² sr⁻¹].
         radiance: Rgb,
     },
+    /// Radiance by direction from beyond all shapes.
+    Environment(Arc<Environment>),
     /// The same intensity in every direction from one point.
     Point {
         /// Position in the render frame.
@@ -33,6 +46,8 @@ pub enum Light {
         /// Intensity [W sr⁻¹].
         intensity: Rgb,
     },
+    /// A cone of light from one point.
+    Spot(Spot),
     /// Parallel light.
     Directional {
         /// Unit vector towards the light.
@@ -67,7 +82,39 @@ impl Light {
     /// per steradian at `from`.
     pub fn sample(&self, accel: &Accel, from: &Interaction, u: [f32; 2]) -> Option<LightSample> {
         match *self {
+<<<<<<< HEAD
             Self::Area(ref light) => light.sample(accel, from, u),
+=======
+            Self::Environment(ref map) => {
+                let (wi, pdf) = map.sample(u)?;
+                let (radiance, shadow_ray) = (map.radiance(wi), from.spawn(wi));
+                Some(LightSample { wi, shadow_ray, radiance, pdf, delta: false })
+            }
+            Self::Spot(ref spot) => {
+                let d = spot.position - from.surface.point;
+                let wi = d.try_normalize()?;
+                let radiance = spot.towards(-wi) / d.length_squared();
+                let shadow_ray = from.spawn_to_point(spot.position);
+                (!radiance.is_black()).then_some(LightSample {
+                    wi,
+                    shadow_ray,
+                    radiance,
+                    pdf: 1.0,
+                    delta: true,
+                })
+            }
+            Self::Area { object, radiance } => {
+                let (target, pdf_area) = accel.objects()[object as usize].sample_area(u, from.time);
+                let d = target.point - from.surface.point;
+                let wi = d.try_normalize()?;
+                let cos = -wi.dot(target.ng);
+                if cos <= 0.0 {
+                    return None;
+                }
+                let pdf = per_steradian(pdf_area, d.length_squared(), cos);
+                Some(LightSample { wi, shadow_ray: from.spawn_to(&target), radiance, pdf, delta: false })
+            }
+>>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
             Self::Constant { radiance } => {
                 let wi = warp::square_to_sphere(u);
                 Some(LightSample { wi, shadow_ray: from.spawn(wi), radiance, pdf: 0.25 / PI, delta: false })
@@ -94,10 +141,17 @@ impl Light {
         }
     }
 
-    /// What it sends towards whoever sees it: radiance, or intensity or irradiance for a light without extent.
+    /// What it sends towards whoever sees it: radiance (of an environment the mean over all directions), or intensity (of
+    /// a spot that in the middle) or irradiance for a light without extent.
     pub fn radiance(&self) -> Rgb {
         match *self {
+<<<<<<< HEAD
             Self::Area(AreaLight { radiance, .. }) | Self::Constant { radiance } => radiance,
+=======
+            Self::Area { radiance, .. } | Self::Constant { radiance } => radiance,
+            Self::Environment(ref map) => map.mean(),
+            Self::Spot(ref spot) => spot.intensity,
+>>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
             Self::Point { intensity, .. } => intensity,
             Self::Directional { irradiance, .. } => irradiance,
         }
@@ -106,19 +160,54 @@ impl Light {
     /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light from the
     /// origin of `ray`.
     ///
+<<<<<<< HEAD
     /// * `ng`: geometric normal at the hit.
     pub fn pdf(&self, accel: &Accel, ray: &Ray, hit: &Hit, ng: Vec3) -> f32 {
         match self {
             Self::Area(light) => light.pdf(accel, ray, hit, ng),
             Self::Constant { .. } | Self::Point { .. } | Self::Directional { .. } => self.pdf_escaped(),
+=======
+    /// * `distance`: from where the light is seen to `hit`.
+    pub fn pdf(&self, accel: &Accel, hit: &Interaction, distance: f32) -> f32 {
+        match *self {
+            Self::Area { object, .. } => {
+                let pdf_area = accel.objects()[object as usize].pdf_area(hit.surface.ng, hit.time);
+                per_steradian(pdf_area, distance * distance, hit.surface.ng.dot(hit.wo))
+            }
+            Self::Constant { .. }
+            | Self::Environment(_)
+            | Self::Point { .. }
+            | Self::Spot(_)
+            | Self::Directional { .. } => self.pdf_escaped(-hit.wo),
+>>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
         }
     }
 
-    /// Density per steradian with which [`Self::sample`] would have drawn a direction that meets no shape.
-    pub fn pdf_escaped(&self) -> f32 {
+    /// Radiance from beyond all shapes, looking along the unit vector `direction`.
+    pub fn radiance_escaped(&self, direction: Vec3) -> Rgb {
+        match self {
+            Self::Constant { radiance } => *radiance,
+            Self::Environment(map) => map.radiance(direction),
+            Self::Area { .. } | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => Rgb::BLACK,
+        }
+    }
+
+    /// Density per steradian with which [`Self::sample`] would have drawn the unit vector `direction`, which meets no
+    /// shape.
+    pub fn pdf_escaped(&self, direction: Vec3) -> f32 {
         match self {
             Self::Constant { .. } => 0.25 / PI,
+<<<<<<< HEAD
             Self::Area(_) | Self::Point { .. } | Self::Directional { .. } => 0.0,
+=======
+            Self::Environment(map) => map.pdf(direction),
+            Self::Area { .. } | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
+>>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
         }
+    }
+
+    /// Whether it is beyond all shapes.
+    pub fn is_background(&self) -> bool {
+        matches!(self, Self::Constant { .. } | Self::Environment(_))
     }
 }

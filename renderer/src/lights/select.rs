@@ -12,7 +12,7 @@ pub struct Lights {
 impl Lights {
     /// The set of `lights`.
     pub fn new(lights: Vec<Light>) -> Self {
-        let background = lights.iter().position(|l| matches!(l, Light::Constant { .. }));
+        let background = lights.iter().position(Light::is_background);
         Self { lights, background }
     }
 

@@ -145,7 +145,12 @@ fn film(context: &Context, index: usize) -> Result<FilmSettings, Error> {
 fn filter(context: &Context, index: usize) -> Result<Filter, Error> {
     let object = Object::new(context, index)?;
     let value = |name, default| Ok::<_, Error>(object.float(name)?.unwrap_or(default));
-    let filter = match object.plugin(&["box", "gaussian", "mitchell", "tent"])? {
+    let filter = match object.plugin(&["box", "catmullrom", "gaussian", "lanczos", "mitchell", "tent"])? {
+        "catmullrom" => Filter::CATMULL_ROM,
+        "lanczos" => {
+            let lobes = object.count("lobes", [1, 16], 3)?;
+            Filter::Lanczos { lobes: u8::try_from(lobes).unwrap_or(16) }
+        }
         "box" => Filter::PIXEL,
         "gaussian" => Filter::Gaussian { stddev: value("stddev", 0.5)? },
         "mitchell" => Filter::Mitchell { b: value("B", 1.0 / 3.0)?, c: value("C", 1.0 / 3.0)? },

@@ -20,10 +20,12 @@ use crate::bounds;
 use crate::setup::{built, spot};
 
 /// Every filter with its name, and a version of it that is a little wrong.
-const FILTERS: [(&str, Filter, Filter); 4] = [
+const FILTERS: [(&str, Filter, Filter); 6] = [
     ("box", Filter::Box { radius: 0.5 }, Filter::Box { radius: 0.51 }),
     ("tent", Filter::Tent { radius: 1.0 }, Filter::Tent { radius: 0.98 }),
     ("gaussian", Filter::Gaussian { stddev: 0.5 }, Filter::Gaussian { stddev: 0.49 }),
+    ("catmull-rom", Filter::CATMULL_ROM, Filter::Mitchell { b: 0.03, c: 0.5 }),
+    ("lanczos", Filter::Lanczos { lobes: 3 }, Filter::Lanczos { lobes: 2 }),
     ("mitchell", Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, Filter::Mitchell { b: 0.3, c: 0.35 }),
 ];
 
