@@ -28,30 +28,34 @@ fn eta() -> impl Strategy<Value = f32> {
     prop_oneof![Just(1e-3), Just(1.0), Just(1.5), Just(1e3), log_uniform(0.2, 5.0)]
 }
 
-fn phong(sharp: f32) -> impl Strategy<Value = Material> {
+fn phong(sharp: f32) -> BoxedStrategy<Material> {
     let exponent = prop_oneof![Just(0.0), log_uniform(0.1, (1.0 / (sharp * sharp)).min(1e6))];
-    (rgb(), rgb(), 0.0..=1.0_f32, exponent).prop_map(|(d, s, share, n)| {
-        Material::new_phong((d * share).into(), (s * (1.0 - share)).into(), n).unwrap()
-    })
+    (rgb(), rgb(), 0.0..=1.0_f32, exponent)
+        .prop_map(|(d, s, share, n)| {
+            Material::new_phong((d * share).into(), (s * (1.0 - share)).into(), n).unwrap()
+        })
+        .boxed()
 }
 
-fn facets(sharp: f32) -> impl Strategy<Value = Facets> {
+fn facets(sharp: f32) -> BoxedStrategy<Facets> {
     let alpha = || [log_uniform(sharp, 10.0), log_uniform(sharp, 10.0)];
     prop_oneof![
         alpha().prop_map(|alpha| Ggx { alpha }.into()),
         alpha().prop_map(|alpha| Beckmann { alpha }.into()),
     ]
+    .boxed()
 }
 
 /// Diffuse bodies under smooth coats. (Rough ones tabulate, too slow for thousands of cases; theirs is
 /// `integrals_over_directions_are_means_over_samples` and the claims.)
-fn plastic() -> impl Strategy<Value = Material> {
+fn plastic() -> BoxedStrategy<Material> {
     (eta(), any::<bool>(), rgb(), rgb())
         .prop_map(|(eta, nonlinear, d, s)| Material::new_plastic(eta, nonlinear, d.into(), s.into()).unwrap())
+        .boxed()
 }
 
 /// Ground glass, and materials made of others.
-fn mixed(sharp: f32) -> impl Strategy<Value = Material> {
+fn mixed(sharp: f32) -> BoxedStrategy<Material> {
     let share = || prop_oneof![Just(0.0), 0.0..1.0_f32, Just(1.0)].prop_map(Rgb::splat);
     prop_oneof![
         ground_glass(sharp),
@@ -60,17 +64,19 @@ fn mixed(sharp: f32) -> impl Strategy<Value = Material> {
         (share(), plain(sharp), prop_oneof![plastic(), forking(sharp), ground_glass(sharp)])
             .prop_map(|(weight, a, b)| Material::new_blend(weight.into(), [a, b]).unwrap()),
     ]
+    .boxed()
 }
 
-fn ground_glass(sharp: f32) -> impl Strategy<Value = Material> {
+fn ground_glass(sharp: f32) -> BoxedStrategy<Material> {
     // Near index 1 the half vector loses the digits of η − 1: where values are compared, 0.2 are kept.
     let index = if sharp < 0.01 { eta().boxed() } else { prop_oneof![0.3..0.8_f32, 1.2..4.0_f32].boxed() };
     (facets(sharp), index, rgb(), rgb())
         .prop_map(|(f, eta, r, t)| Material::new_rough_dielectric(f, eta, r.into(), t.into()).unwrap())
+        .boxed()
 }
 
 /// Metals and diffuse surfaces with roughness from `sharp`.
-fn plain(sharp: f32) -> impl Strategy<Value = Material> {
+fn plain(sharp: f32) -> BoxedStrategy<Material> {
     prop_oneof![
         rgb().prop_map(|r| Material::new_diffuse(r.into()).unwrap()),
         rgb().prop_map(|r| Material::new_mirror(r.into()).unwrap()),
@@ -78,6 +84,7 @@ fn plain(sharp: f32) -> impl Strategy<Value = Material> {
         (facets(sharp), metal(), rgb())
             .prop_map(|(f, m, r)| Material::new_rough_conductor(f, m, r.into()).unwrap()),
     ]
+    .boxed()
 }
 
 /// A blur from `sharp` to 100, or to 2 where `sharp` is 0.05: wide disks are steep at their rim.
@@ -85,13 +92,14 @@ fn blur(sharp: f32) -> impl Strategy<Value = f32> {
     log_uniform(sharp, (0.1 / sharp).min(100.0))
 }
 
-fn fuzzy(sharp: f32) -> impl Strategy<Value = Material> {
+fn fuzzy(sharp: f32) -> BoxedStrategy<Material> {
     (blur(sharp), rgb())
         .prop_map(|(f, r)| Material::new_blur_disk(f, None, r.into(), Rgb::WHITE.into()).unwrap())
+        .boxed()
 }
 
 /// Materials that light can pass through.
-fn forking(sharp: f32) -> impl Strategy<Value = Material> {
+fn forking(sharp: f32) -> BoxedStrategy<Material> {
     prop_oneof![
         (eta(), rgb(), rgb())
             .prop_map(|(eta, r, t)| Material::new_dielectric(eta, r.into(), t.into()).unwrap()),
@@ -105,19 +113,21 @@ fn forking(sharp: f32) -> impl Strategy<Value = Material> {
         )
         .unwrap()),
     ]
+    .boxed()
 }
 
-fn reflector(sharp: f32) -> impl Strategy<Value = Material> {
-    prop_oneof![4 => plain(sharp), 1 => fuzzy(sharp), 1 => phong(sharp), 1 => plastic()]
+fn reflector(sharp: f32) -> BoxedStrategy<Material> {
+    prop_oneof![4 => plain(sharp), 1 => fuzzy(sharp), 1 => phong(sharp), 1 => plastic()].boxed()
 }
 
-fn material(sharp: f32) -> impl Strategy<Value = Material> {
+fn material(sharp: f32) -> BoxedStrategy<Material> {
     prop_oneof![
         3 => reflector(sharp),
         1 => reflector(sharp).prop_map(|m| Material::new_two_sided(m).unwrap()),
         2 => forking(sharp),
         2 => mixed(sharp),
     ]
+    .boxed()
 }
 
 /// Unit vectors, among them the poles, exactly grazing and nearly grazing ones.
@@ -198,10 +208,14 @@ proptest! {
             prop_assert!((s.pdf / nearby - 1.0).abs() < 0.1, "{} for {}", s.pdf, nearby);
             return Ok(());
         }
-        prop_assert!((s.pdf / pdf - 1.0).abs() < 2e-4, "{} for {}", s.pdf, pdf);
+        // A facet found from a refracted direction loses 1/|η − 1| < 5, and steep facets of Beckmann's, of share
+        // exp(−t), 2t < 40 times more.
+        let calls = m.calls_for();
+        let tolerance = if calls.rough && calls.dielectric { 200.0 * 2e-4 } else { 2e-4 };
+        prop_assert!((s.pdf / pdf - 1.0).abs() < tolerance, "{} for {}", s.pdf, pdf);
         let by_value = bsdf.eval_cos(wo, s.wi) / pdf;
         for (w, v) in channels(s.weight).zip(channels(by_value)) {
-            prop_assert!((w - v).abs() <= 2e-4 * v.max(1e-3), "{} for {}", w, v);
+            prop_assert!((w - v).abs() <= tolerance * v.max(1e-3), "{} for {}", w, v);
         }
     }
 
@@ -286,7 +300,7 @@ fn wide_lobes() -> Vec<(&'static str, Material)> {
         ("anisotropic", Material::new_rough_conductor(Ggx { alpha: [0.15, 0.6] }, metal(), white())),
         ("normal slopes", Material::new_rough_conductor(Beckmann { alpha: [0.3, 0.5] }, metal(), white())),
         ("ground glass", Material::new_rough_dielectric(Ggx { alpha: [0.3; 2] }, 1.5, white(), white())),
-        ("sandblasted", Material::new_rough_dielectric(Beckmann { alpha: [0.4; 2] }, 0.8, white(), white())),
+        ("sandblasted", Material::new_rough_dielectric(Beckmann { alpha: [0.4; 2] }, 1.25, white(), white())),
         ("rough plastic", Material::new_rough_plastic(Ggx { alpha: [0.3; 2] }, 1.5, true, white(), white())),
         ("fuzzy mirror", Material::new_blur_disk(0.4, None, white(), white())),
         ("frosted glass", Material::new_blur_disk(0.3, Some(1.5), white(), Rgb::new(0.9, 0.5, 1.0).into())),

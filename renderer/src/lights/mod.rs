@@ -11,19 +11,13 @@ use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 use crate::sampling::warp;
 
-<<<<<<< HEAD
 pub mod area;
-=======
 pub mod environment;
->>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
 pub mod select;
 pub mod spot;
 
-<<<<<<< HEAD
 pub use area::{AreaLight, LightSampling};
-=======
 pub use environment::Environment;
->>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
 pub use select::Lights;
 pub use spot::Spot;
 
@@ -82,9 +76,7 @@ impl Light {
     /// per steradian at `from`.
     pub fn sample(&self, accel: &Accel, from: &Interaction, u: [f32; 2]) -> Option<LightSample> {
         match *self {
-<<<<<<< HEAD
             Self::Area(ref light) => light.sample(accel, from, u),
-=======
             Self::Environment(ref map) => {
                 let (wi, pdf) = map.sample(u)?;
                 let (radiance, shadow_ray) = (map.radiance(wi), from.spawn(wi));
@@ -103,18 +95,6 @@ impl Light {
                     delta: true,
                 })
             }
-            Self::Area { object, radiance } => {
-                let (target, pdf_area) = accel.objects()[object as usize].sample_area(u, from.time);
-                let d = target.point - from.surface.point;
-                let wi = d.try_normalize()?;
-                let cos = -wi.dot(target.ng);
-                if cos <= 0.0 {
-                    return None;
-                }
-                let pdf = per_steradian(pdf_area, d.length_squared(), cos);
-                Some(LightSample { wi, shadow_ray: from.spawn_to(&target), radiance, pdf, delta: false })
-            }
->>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
             Self::Constant { radiance } => {
                 let wi = warp::square_to_sphere(u);
                 Some(LightSample { wi, shadow_ray: from.spawn(wi), radiance, pdf: 0.25 / PI, delta: false })
@@ -145,13 +125,9 @@ impl Light {
     /// a spot that in the middle) or irradiance for a light without extent.
     pub fn radiance(&self) -> Rgb {
         match *self {
-<<<<<<< HEAD
             Self::Area(AreaLight { radiance, .. }) | Self::Constant { radiance } => radiance,
-=======
-            Self::Area { radiance, .. } | Self::Constant { radiance } => radiance,
             Self::Environment(ref map) => map.mean(),
             Self::Spot(ref spot) => spot.intensity,
->>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
             Self::Point { intensity, .. } => intensity,
             Self::Directional { irradiance, .. } => irradiance,
         }
@@ -160,26 +136,15 @@ impl Light {
     /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light from the
     /// origin of `ray`.
     ///
-<<<<<<< HEAD
     /// * `ng`: geometric normal at the hit.
     pub fn pdf(&self, accel: &Accel, ray: &Ray, hit: &Hit, ng: Vec3) -> f32 {
         match self {
             Self::Area(light) => light.pdf(accel, ray, hit, ng),
-            Self::Constant { .. } | Self::Point { .. } | Self::Directional { .. } => self.pdf_escaped(),
-=======
-    /// * `distance`: from where the light is seen to `hit`.
-    pub fn pdf(&self, accel: &Accel, hit: &Interaction, distance: f32) -> f32 {
-        match *self {
-            Self::Area { object, .. } => {
-                let pdf_area = accel.objects()[object as usize].pdf_area(hit.surface.ng, hit.time);
-                per_steradian(pdf_area, distance * distance, hit.surface.ng.dot(hit.wo))
-            }
             Self::Constant { .. }
             | Self::Environment(_)
             | Self::Point { .. }
             | Self::Spot(_)
-            | Self::Directional { .. } => self.pdf_escaped(-hit.wo),
->>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
+            | Self::Directional { .. } => self.pdf_escaped(ray.direction),
         }
     }
 
@@ -188,7 +153,7 @@ impl Light {
         match self {
             Self::Constant { radiance } => *radiance,
             Self::Environment(map) => map.radiance(direction),
-            Self::Area { .. } | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => Rgb::BLACK,
+            Self::Area(_) | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => Rgb::BLACK,
         }
     }
 
@@ -197,12 +162,8 @@ impl Light {
     pub fn pdf_escaped(&self, direction: Vec3) -> f32 {
         match self {
             Self::Constant { .. } => 0.25 / PI,
-<<<<<<< HEAD
-            Self::Area(_) | Self::Point { .. } | Self::Directional { .. } => 0.0,
-=======
             Self::Environment(map) => map.pdf(direction),
-            Self::Area { .. } | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
->>>>>>> 94822ad (Environment maps, spots; Catmull-Rom and Lanczos filters)
+            Self::Area(_) | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
         }
     }
 

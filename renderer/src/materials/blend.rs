@@ -25,7 +25,7 @@ pub struct BlendAt<'m> {
 }
 
 impl Blend {
-    /// The share `weight` of the second of `parts`; of its channels the mean counts.
+    /// The share `weight` of the second of `parts`; of colours counts what [`Texture::eval_scalar`] says.
     ///
     /// # Errors
     /// [`ParamError`] for a weight outside [0, 1].
@@ -55,7 +55,7 @@ impl Blend {
 
     /// The blend at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> BlendAt<'_> {
-        BlendAt { weight: self.weight.eval(uv).mean(), parts: &self.parts, uv }
+        BlendAt { weight: self.weight.eval_scalar(uv), parts: &self.parts, uv }
     }
 }
 

@@ -26,7 +26,7 @@ pub struct MaskAt<'m> {
 }
 
 impl Mask {
-    /// The share `opacity` of `inner`; of its channels the mean counts.
+    /// The share `opacity` of `inner`; of colours counts what [`Texture::eval_scalar`] says.
     ///
     /// # Errors
     /// [`ParamError`] for an opacity outside [0, 1].
@@ -52,7 +52,7 @@ impl Mask {
 
     /// The mask at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> MaskAt<'_> {
-        MaskAt { opacity: self.opacity.eval(uv).mean(), inner: &self.inner, uv }
+        MaskAt { opacity: self.opacity.eval_scalar(uv), inner: &self.inner, uv }
     }
 }
 

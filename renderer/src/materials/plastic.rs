@@ -22,8 +22,8 @@ use crate::texture::Texture;
 pub(super) struct Body {
     /// Interior over exterior index.
     pub(super) eta: f32,
-    /// Fᵢ: the share of diffuse light that is reflected back inside.
-    pub(super) internal: f32,
+    /// 1 − Fᵢ: the share of diffuse light that gets out.
+    pub(super) escaping: f32,
     /// Whether colours saturate by internal reflection.
     pub(super) nonlinear: bool,
 }
@@ -33,8 +33,9 @@ impl Body {
     pub(super) fn eval(&self, reflectance: Rgb) -> Rgb {
         let scale = FRAC_1_PI / (self.eta * self.eta);
         let scattered = |rho: f32| {
-            let again = if self.nonlinear { rho * self.internal } else { self.internal };
-            scale * rho / (1.0 - again)
+            // 1 − ρFᵢ without the difference of what may be near 1
+            let lost = if self.nonlinear { (1.0 - rho) + rho * self.escaping } else { self.escaping };
+            scale * rho / lost
         };
         reflectance.map(scattered)
     }
@@ -75,9 +76,9 @@ impl Plastic<Texture> {
         check_eta(eta)?;
         diffuse.check_reflectance("diffuse_reflectance")?;
         specular.check_reflectance("specular_reflectance")?;
-        let internal = round_f32(fresnel::diffuse_reflectance(1.0 / eta));
+        let escaping = round_f32(fresnel::diffuse_escaping(eta));
         let highlight = highlight(&diffuse, &specular);
-        Ok(Self { body: Body { eta, internal, nonlinear }, diffuse, specular, highlight })
+        Ok(Self { body: Body { eta, escaping, nonlinear }, diffuse, specular, highlight })
     }
 
     /// The plastic at the surface coordinates `uv`.

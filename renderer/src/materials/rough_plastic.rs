@@ -78,9 +78,14 @@ impl RoughPlastic {
         let nodes = || (0..NODES).map(|i| f32::from(i) / f32::from(NODES - 1));
         let passed = nodes().map(|cos| round_f32(refracted(&facets, cos, eta))).collect();
         let inside = |cos: f32| reflected(&facets, cos, 1.0 / eta) * f64::from(cos);
-        let internal = round_f32(2.0 * nodes().map(inside).sum::<f64>() / f64::from(NODES));
+        let internal = 2.0 * nodes().map(inside).sum::<f64>() / f64::from(NODES);
         let highlight = highlight(&diffuse, &specular);
-        let coat = Coat { facets, body: Body { eta, internal, nonlinear }, passed, highlight };
+        let coat = Coat {
+            facets,
+            body: Body { eta, escaping: round_f32(1.0 - internal), nonlinear },
+            passed,
+            highlight,
+        };
         Ok(Self { coat, diffuse, specular })
     }
 

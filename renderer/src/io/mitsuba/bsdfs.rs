@@ -184,8 +184,24 @@ fn facets(object: &Object, anisotropic: bool) -> Result<Facets, Error> {
     Ok(of_alpha(alpha.map(single)))
 }
 
+/// A texture that is read as one number.
+///
+/// Mitsuba 3.9.1 exchanges the two colours of a checkerboard there (`eval_1` against `eval`), and so what a scene shows.
+fn share(object: &Object, name: &str) -> Result<Texture, Error> {
+    Ok(match texture(object, name, 0.5)? {
+        Texture::Checkerboard(board) => {
+            let why = "as in Mitsuba 3.9.1, where one number is asked for";
+            object
+                .context
+                .note(format!("{}: '{name}': color0 and color1 are exchanged, {why}", object.place()));
+            Texture::Checkerboard(board.exchanged())
+        }
+        other => other,
+    })
+}
+
 fn mask(object: &Object) -> Built {
-    let opacity = texture(object, "opacity", 0.5)?;
+    let opacity = share(object, "opacity")?;
     let inner = object.only_nested("bsdf")?;
     let inner = inner.ok_or_else(|| object.place().refuse("bsdf mask without a <bsdf>; one is accepted"))?;
     Ok(Material::new_mask(opacity, Material::clone(&*read(object.context, inner)?)))
@@ -195,7 +211,7 @@ fn blend(object: &Object) -> Built {
     if !object.has("weight") {
         return Err(object.missing("weight"));
     }
-    let weight = texture(object, "weight", 0.5)?;
+    let weight = share(object, "weight")?;
     let [first, second] = object.nested("bsdf")?[..] else {
         let message = "bsdf blendbsdf with other than two <bsdf>; two are accepted";
         return Err(object.place().refuse(message));
