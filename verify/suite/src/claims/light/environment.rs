@@ -9,7 +9,7 @@ use renderer::math::Rgb;
 use renderer::scene::{IntegratorSettings, LightSettings, Strategy};
 use verify::chi_square::ChiSquare;
 use verify::claim::{Claim, Level, claim};
-use verify::domain::{Directions, Domain};
+use verify::domain::Parallelogram;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 use verify::quadrature::{Tolerance, integrate_2d};
 
@@ -22,15 +22,15 @@ pub(super) fn claims() -> Vec<Claim> {
     [directions(), radiance(), received()].map(|claim| claim.from_level(Level::Standard)).into()
 }
 
-/// Columns and rows of the map.
-const SIZE: [usize; 2] = [16, 9];
+/// Columns and rows of the map: the cells between its rows are whole cells of the claim's grids of 14² and 140².
+const SIZE: [usize; 2] = [20, 15];
 
 /// A sky that grows brighter upwards, with a bright spot and a dark patch.
 fn pixels() -> Vec<Rgb> {
     let [columns, rows] = SIZE;
     let value = |k: usize| match (k % columns, k / columns) {
-        (4 | 5, 2) => 20.0,
-        (9..=11, 4..=6) => 0.0,
+        (4 | 5, 3) => 6.0,
+        (9..=11, 6..=9) => 0.0,
         (i, j) => {
             0.3 + 0.1 * f32::from(u8::try_from(rows - j).unwrap_or(0))
                 + 0.05 * f32::from(u8::from(i % 3 == 0))
@@ -73,18 +73,29 @@ static PIXELS: LazyLock<Vec<Rgb>> = LazyLock::new(pixels);
 fn directions() -> Claim {
     let map = Arc::new(map());
     let density = map.clone();
-    ChiSquare::on(Directions::sphere())
-        .density(move |w| f64::from(density.pdf(DVec3::from(w).as_vec3())))
-        .samples(move |u: [f64; 2]| map.sample(u.map(single)).map(|(w, _)| w.as_dvec3().to_array()))
+    let at = |square| turned() * direction(square);
+    ChiSquare::on(Parallelogram::unit_square())
+        // dω = 2π² sin θ du dv
+        .density(move |[u, v]: [f64; 2]| {
+            TAU * PI * (PI * v).sin() * f64::from(density.pdf(at([u, v]).as_vec3()))
+        })
+        .samples(move |u: [f64; 2]| map.sample(u.map(single)).map(|(w, _)| coordinates(w.as_dvec3())))
         .bound(bounds::LOBE)
-        .rejects("uniform directions", |u: [f64; 2]| Some(Directions::sphere().point(u)))
-        .rejects("uniform over the image", |[u, v]: [f64; 2]| Some((turned() * direction([u, v])).to_array()))
+        .rejects("uniform over the image", |u: [f64; 2]| Some(u))
+        .rejects("uniform directions", |[u, v]: [f64; 2]| Some([u, (1.0 - 2.0 * v).acos() * FRAC_1_PI]))
         .claim("light/environment/directions", "directions to an environment map follow its density")
 }
 
-/// Claims on ∫ dω, ∫ L dω and ∫ L·|w·z| dω by samples of the map.
+/// The longitude and latitude of a direction: the inverse of [`direction`].
+fn coordinates(w: DVec3) -> [f64; 2] {
+    let w = turned().transpose() * w;
+    let longitude = (w.x.atan2(-w.z) / TAU).rem_euclid(1.0);
+    [longitude.min(1.0f64.next_down()), (w.x.hypot(w.z).atan2(w.y) * FRAC_1_PI).min(1.0f64.next_down())]
+}
+
+/// Claims on ∫ L dω, ∫ L·|w·z| dω and ∫ L² dω by samples of the map.
 fn radiance() -> Claim {
-    let moments: [fn(f64, f64) -> f64; 3] = [|_, _| 1.0, |l, _| l, |l, z| l * z.abs()];
+    let moments: [fn(f64, f64) -> f64; 3] = [|l, _| l, |l, z| l * z.abs(), |l, _| l * l];
     let means = move || {
         moments.map(|moment| {
             let value = |[u, v]: [f64; 2]| {
@@ -106,7 +117,7 @@ fn radiance() -> Claim {
     };
     let (planted, without) = (means.clone(), means.clone());
     let [a, b, c] = [map(), map(), map()];
-    let says = "samples of an environment map add up to the sphere's solid angle, and to its radiance";
+    let says = "samples of an environment map add up to the radiance that it gives, from all sides and through a plane";
     claim("light/environment/radiance", says)
         .rejects("2.2 × resolution", move |run| {
             joint_control(&**planted, run, |i, seed| mean(&a, i, seed, |x, _| x))
@@ -151,7 +162,7 @@ fn received() -> Claim {
             });
             built(&description)
         });
-        let lit = remembering(move |i, seed| irradiance(&scenes[i], 4096, seed));
+        let lit = remembering(move |i, seed| irradiance(&scenes[i], 8192, seed));
         let means = vec![MeanClaim::relative(exact_irradiance(), bounds::IRRADIANCE); strategies.len()];
         (means, Box::new(lit) as Box<dyn Fn(usize, u64) -> f64 + Send + Sync>)
     }));
