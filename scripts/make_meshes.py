@@ -88,6 +88,16 @@ def patches(width=12, height=8):
     return rgb.astype(np.uint8)
 
 
+def sky(width=32, height=16):
+    """A sky by latitude and longitude: blue above, brown below, a bright window and a green one."""
+    rows, columns = np.mgrid[0:height, 0:width]
+    up = rows[:, :, None] < height // 2
+    rgb = np.where(up, [110, 140, 190], [90, 75, 60]) + 2 * (columns % 5)[:, :, None]
+    rgb[3:5, 10:13] = 255
+    rgb[9, 25:27] = [60, 220, 90]
+    return rgb.astype(np.uint8)
+
+
 def png_bytes(rgb):
     """An eight-bit RGB PNG file without a colour profile (read as sRGB)."""
     def chunk(kind, data):
@@ -105,6 +115,7 @@ def main():
     (SCENES / "meshes" / "torus.obj").write_text(obj_text(*torus()))
     (SCENES / "meshes" / "gem.ply").write_bytes(ply_bytes(*gem()))
     (SCENES / "textures" / "patches.png").write_bytes(png_bytes(patches()))
+    (SCENES / "textures" / "sky.png").write_bytes(png_bytes(sky()))
     return 0
 
 

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use renderer::ParamError;
 use renderer::camera::{Camera, CameraSettings, FovAxis, Projection, Shutter};
 use renderer::film::{Film, FilmSettings, Filter, FilterSampler, Reconstruction};
-use renderer::materials::{Material, Metal};
+use renderer::materials::{Ggx, Material, Metal};
 use renderer::math::Rgb;
 use renderer::math::transform::Motion;
 use renderer::render::RenderSettings;
@@ -105,7 +105,10 @@ fn materials() {
     }
     let metal = || Metal::new(Rgb::WHITE, Rgb::WHITE).unwrap();
     for (alpha, value) in [(-0.1, "-0.1"), (f32::NAN, "NaN")] {
-        says(Material::new_rough_conductor([alpha, 0.1], metal(), white()), &["alpha", value, "accepted"]);
+        says(
+            Material::new_rough_conductor(Ggx { alpha: [alpha, 0.1] }, metal(), white()),
+            &["alpha", value, "accepted"],
+        );
         says(Material::new_blur_disk(alpha, None, white(), white()), &["blur", value, "accepted"]);
         says(
             Material::new_phong(white(), Texture::Constant(Rgb::BLACK), alpha),

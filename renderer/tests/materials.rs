@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use renderer::materials::{Branch, Bsdf, BsdfSample, Lobe, Material, Metal};
+use renderer::materials::{Beckmann, Branch, Bsdf, BsdfSample, Facets, Ggx, Lobe, Material, Metal};
 use renderer::math::{Frame, Rgb};
 
 const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -28,27 +28,63 @@ fn eta() -> impl Strategy<Value = f32> {
     prop_oneof![Just(1e-3), Just(1.0), Just(1.5), Just(1e3), log_uniform(0.2, 5.0)]
 }
 
-fn phong(sharp: f32) -> impl Strategy<Value = Material> {
+fn phong(sharp: f32) -> BoxedStrategy<Material> {
     let exponent = prop_oneof![Just(0.0), log_uniform(0.1, (1.0 / (sharp * sharp)).min(1e6))];
-    (rgb(), rgb(), 0.0..=1.0_f32, exponent).prop_map(|(d, s, share, n)| {
-        Material::new_phong((d * share).into(), (s * (1.0 - share)).into(), n).unwrap()
-    })
+    (rgb(), rgb(), 0.0..=1.0_f32, exponent)
+        .prop_map(|(d, s, share, n)| {
+            Material::new_phong((d * share).into(), (s * (1.0 - share)).into(), n).unwrap()
+        })
+        .boxed()
+}
+
+fn facets(sharp: f32) -> BoxedStrategy<Facets> {
+    let alpha = || [log_uniform(sharp, 10.0), log_uniform(sharp, 10.0)];
+    prop_oneof![
+        alpha().prop_map(|alpha| Ggx { alpha }.into()),
+        alpha().prop_map(|alpha| Beckmann { alpha }.into()),
+    ]
+    .boxed()
+}
+
+/// Diffuse bodies under smooth coats. (Rough ones tabulate, too slow for thousands of cases; theirs is
+/// `integrals_over_directions_are_means_over_samples` and the claims.)
+fn plastic() -> BoxedStrategy<Material> {
+    (eta(), any::<bool>(), rgb(), rgb())
+        .prop_map(|(eta, nonlinear, d, s)| Material::new_plastic(eta, nonlinear, d.into(), s.into()).unwrap())
+        .boxed()
+}
+
+/// Ground glass, and materials made of others.
+fn mixed(sharp: f32) -> BoxedStrategy<Material> {
+    let share = || prop_oneof![Just(0.0), 0.0..1.0_f32, Just(1.0)].prop_map(Rgb::splat);
+    prop_oneof![
+        ground_glass(sharp),
+        (share(), prop_oneof![plain(sharp), forking(sharp), ground_glass(sharp)])
+            .prop_map(|(opacity, m)| Material::new_mask(opacity.into(), m).unwrap()),
+        (share(), plain(sharp), prop_oneof![plastic(), forking(sharp), ground_glass(sharp)])
+            .prop_map(|(weight, a, b)| Material::new_blend(weight.into(), [a, b]).unwrap()),
+    ]
+    .boxed()
+}
+
+fn ground_glass(sharp: f32) -> BoxedStrategy<Material> {
+    // Near index 1 the half vector loses the digits of η − 1: where values are compared, 0.2 are kept.
+    let index = if sharp < 0.01 { eta().boxed() } else { prop_oneof![0.3..0.8_f32, 1.2..4.0_f32].boxed() };
+    (facets(sharp), index, rgb(), rgb())
+        .prop_map(|(f, eta, r, t)| Material::new_rough_dielectric(f, eta, r.into(), t.into()).unwrap())
+        .boxed()
 }
 
 /// Metals and diffuse surfaces with roughness from `sharp`.
-fn plain(sharp: f32) -> impl Strategy<Value = Material> {
-    let alpha = || log_uniform(sharp, 10.0);
+fn plain(sharp: f32) -> BoxedStrategy<Material> {
     prop_oneof![
         rgb().prop_map(|r| Material::new_diffuse(r.into()).unwrap()),
         rgb().prop_map(|r| Material::new_mirror(r.into()).unwrap()),
         (metal(), rgb()).prop_map(|(m, r)| Material::new_conductor(m, r.into()).unwrap()),
-        (alpha(), alpha(), metal(), rgb()).prop_map(|(u, v, m, r)| Material::new_rough_conductor(
-            [u, v],
-            m,
-            r.into()
-        )
-        .unwrap()),
+        (facets(sharp), metal(), rgb())
+            .prop_map(|(f, m, r)| Material::new_rough_conductor(f, m, r.into()).unwrap()),
     ]
+    .boxed()
 }
 
 /// A blur from `sharp` to 100, or to 2 where `sharp` is 0.05: wide disks are steep at their rim.
@@ -56,16 +92,19 @@ fn blur(sharp: f32) -> impl Strategy<Value = f32> {
     log_uniform(sharp, (0.1 / sharp).min(100.0))
 }
 
-fn fuzzy(sharp: f32) -> impl Strategy<Value = Material> {
+fn fuzzy(sharp: f32) -> BoxedStrategy<Material> {
     (blur(sharp), rgb())
         .prop_map(|(f, r)| Material::new_blur_disk(f, None, r.into(), Rgb::WHITE.into()).unwrap())
+        .boxed()
 }
 
 /// Materials that light can pass through.
-fn forking(sharp: f32) -> impl Strategy<Value = Material> {
+fn forking(sharp: f32) -> BoxedStrategy<Material> {
     prop_oneof![
         (eta(), rgb(), rgb())
             .prop_map(|(eta, r, t)| Material::new_dielectric(eta, r.into(), t.into()).unwrap()),
+        (eta(), rgb(), rgb())
+            .prop_map(|(eta, r, t)| Material::new_thin_dielectric(eta, r.into(), t.into()).unwrap()),
         (blur(sharp), eta(), rgb(), rgb()).prop_map(|(f, eta, r, t)| Material::new_blur_disk(
             f,
             Some(eta),
@@ -74,18 +113,21 @@ fn forking(sharp: f32) -> impl Strategy<Value = Material> {
         )
         .unwrap()),
     ]
+    .boxed()
 }
 
-fn reflector(sharp: f32) -> impl Strategy<Value = Material> {
-    prop_oneof![4 => plain(sharp), 1 => fuzzy(sharp), 1 => phong(sharp)]
+fn reflector(sharp: f32) -> BoxedStrategy<Material> {
+    prop_oneof![4 => plain(sharp), 1 => fuzzy(sharp), 1 => phong(sharp), 1 => plastic()].boxed()
 }
 
-fn material(sharp: f32) -> impl Strategy<Value = Material> {
+fn material(sharp: f32) -> BoxedStrategy<Material> {
     prop_oneof![
         3 => reflector(sharp),
         1 => reflector(sharp).prop_map(|m| Material::new_two_sided(m).unwrap()),
         2 => forking(sharp),
+        2 => mixed(sharp),
     ]
+    .boxed()
 }
 
 /// Unit vectors, among them the poles, exactly grazing and nearly grazing ones.
@@ -156,7 +198,13 @@ proptest! {
         let Some(s) = bsdf.sample(wo, u_lobe, u) else { return Ok(()) };
         let pdf = bsdf.pdf(wo, s.wi);
         if s.lobe == Lobe::Delta {
-            prop_assert!(pdf == 0.0 && bsdf.eval_cos(wo, s.wi).is_black());
+            let alone = m.calls_for().delta_only;
+            prop_assert!(!alone || pdf == 0.0 && bsdf.eval_cos(wo, s.wi).is_black());
+            return Ok(());
+        }
+        // A facet whose normal is at the horizon: rounding decides on which side it is.
+        let normal = (wo + s.eta_rel * s.wi).normalize_or_zero();
+        if pdf == 0.0 && m.calls_for().rough && s.transmitted && normal.z.abs() < 1e-5 {
             return Ok(());
         }
         if pdf == 0.0 {
@@ -165,16 +213,20 @@ proptest! {
             prop_assert!((s.pdf / nearby - 1.0).abs() < 0.1, "{} for {}", s.pdf, nearby);
             return Ok(());
         }
-        prop_assert!((s.pdf / pdf - 1.0).abs() < 2e-4, "{} for {}", s.pdf, pdf);
+        // A facet found from a refracted direction loses 1/|η − 1| < 5, and steep facets of Beckmann's, of share
+        // exp(−t), 2t < 40 times more.
+        let calls = m.calls_for();
+        let tolerance = if calls.rough && calls.dielectric { 200.0 * 2e-4 } else { 2e-4 };
+        prop_assert!((s.pdf / pdf - 1.0).abs() < tolerance, "{} for {}", s.pdf, pdf);
         let by_value = bsdf.eval_cos(wo, s.wi) / pdf;
         for (w, v) in channels(s.weight).zip(channels(by_value)) {
-            prop_assert!((w - v).abs() <= 2e-4 * v.max(1e-3), "{} for {}", w, v);
+            prop_assert!((w - v).abs() <= tolerance * v.max(1e-3), "{} for {}", w, v);
         }
     }
 
     #[test]
     fn reflection_is_reciprocal(
-        m in prop_oneof![plain(0.01), phong(0.01)], wo in direction(), wi in direction()
+        m in prop_oneof![plain(0.01), phong(0.01), plastic()], wo in direction(), wi in direction()
     ) {
         let bsdf = m.bsdf([0.0; 2]);
         for (there, back) in channels(bsdf.eval(wo, wi)).zip(channels(bsdf.eval(wi, wo))) {
@@ -187,7 +239,8 @@ proptest! {
     fn below_there_is_nothing_or_the_same_as_above(
         m in reflector(1e-3), wo in direction(), wi in direction(), u_lobe in unit(), u in [unit(), unit()]
     ) {
-        let (one, two) = (m.bsdf([0.0; 2]), Material::new_two_sided(m).unwrap().bsdf([0.0; 2]));
+        let both = Material::new_two_sided(m.clone()).unwrap();
+        let (one, two) = (m.bsdf([0.0; 2]), both.bsdf([0.0; 2]));
         let below = if wo.z > 0.0 { -wo } else { wo };
         prop_assert!(one.eval(below, wi).is_black() && one.pdf(below, wi) == 0.0);
         prop_assert!(one.sample(below, u_lobe, u).is_none());
@@ -200,7 +253,7 @@ proptest! {
     /// Except for Phong, whose mixture of lobes has weights above 1, no single sample creates light.
     #[test]
     fn no_sample_creates_light(
-        m in prop_oneof![plain(1e-4), fuzzy(1e-4), forking(1e-4)], wo in direction(),
+        m in prop_oneof![plain(1e-4), fuzzy(1e-4), forking(1e-4), ground_glass(1e-4)], wo in direction(),
         u_lobe in unit(), u in [unit(), unit()]
     ) {
         if let Some(s) = m.bsdf([0.0; 2]).sample(wo, u_lobe, u) {
@@ -234,9 +287,9 @@ proptest! {
 /// The direction that a blur disk perturbs.
 fn lobe_centre(bsdf: &Bsdf, wo: Vec3, s: &BsdfSample) -> Vec3 {
     let branch = if s.transmitted { Branch::Refract } else { Branch::Reflect };
-    let sharp = Material::new_dielectric(s.eta_rel, Rgb::WHITE.into(), Rgb::WHITE.into());
+    let sharp = Material::new_dielectric(s.eta_rel, Rgb::WHITE.into(), Rgb::WHITE.into()).unwrap();
     let upward = if wo.z < 0.0 { -wo } else { wo };
-    let ideal = sharp.unwrap().bsdf([0.0; 2]).sample_branch(upward, branch, [0.0; 2]);
+    let ideal = sharp.bsdf([0.0; 2]).sample_branch(upward, branch, [0.0; 2]);
     let ideal = ideal.unwrap_or_else(|| panic!("{bsdf:?} sampled {s:?} without an ideal direction")).wi;
     if wo.z < 0.0 { -ideal } else { ideal }
 }
@@ -248,8 +301,12 @@ fn wide_lobes() -> Vec<(&'static str, Material)> {
     let phong = |n| Material::new_phong(Rgb::splat(0.3).into(), Rgb::new(0.7, 0.1, 0.4).into(), n);
     let all = [
         ("diffuse", Material::new_diffuse(Rgb::new(1.0, 0.5, 0.2).into())),
-        ("rough", Material::new_rough_conductor([0.2, 0.2], metal(), white())),
-        ("anisotropic", Material::new_rough_conductor([0.15, 0.6], metal(), white())),
+        ("rough", Material::new_rough_conductor(Ggx { alpha: [0.2, 0.2] }, metal(), white())),
+        ("anisotropic", Material::new_rough_conductor(Ggx { alpha: [0.15, 0.6] }, metal(), white())),
+        ("normal slopes", Material::new_rough_conductor(Beckmann { alpha: [0.3, 0.5] }, metal(), white())),
+        ("ground glass", Material::new_rough_dielectric(Ggx { alpha: [0.3; 2] }, 1.5, white(), white())),
+        ("sandblasted", Material::new_rough_dielectric(Beckmann { alpha: [0.4; 2] }, 1.25, white(), white())),
+        ("rough plastic", Material::new_rough_plastic(Ggx { alpha: [0.3; 2] }, 1.5, true, white(), white())),
         ("fuzzy mirror", Material::new_blur_disk(0.4, None, white(), white())),
         ("frosted glass", Material::new_blur_disk(0.3, Some(1.5), white(), Rgb::new(0.9, 0.5, 1.0).into())),
         ("plastic-like", phong(20.0)),

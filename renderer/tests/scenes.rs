@@ -85,12 +85,12 @@ fn unknown_things_are_refused_with_place_name_and_what_is_accepted() {
             &["s.xml:3:22: unknown <float> 'radios' in shape sphere;", "radius", "to_world", "<bsdf>"],
         ),
         (
-            r#"<bsdf type="roughdielectric" id="x"/>"#,
-            &["s.xml:3:7: bsdf plugin 'roughdielectric'", "dielectric"],
+            r#"<bsdf type="principled" id="x"/>"#,
+            &["s.xml:3:7: bsdf plugin 'principled' is not supported;", "dielectric"],
         ),
         (
-            r#"<bsdf type="roughconductor"><float name="alpha" value="0.1"/></bsdf>"#,
-            &["s.xml:3:1: distribution beckmann (Mitsuba's default) is not supported; ggx is accepted"],
+            r#"<bsdf type="roughconductor"><string name="distribution" value="phong"/></bsdf>"#,
+            &["s.xml:3:57: 'distribution' is 'phong'; beckmann, ggx are accepted"],
         ),
         (
             r#"<bsdf type="conductor"><string name="material" value="Xx"/></bsdf>"#,
@@ -330,6 +330,63 @@ fn a_whole_scene_is_what_it_says() {
     assert_eq!(notes.len(), 2);
     assert!(noted(&["s.xml:4:51: 'near_clip' has no effect: nothing is cut off"]), "{notes:?}");
     assert!(noted(&["'ldsampler' is read as 'sobol'"]), "{notes:?}");
+}
+
+#[test]
+fn layers_and_microfacets_have_their_parameters() {
+    let material = |bsdf: &str| {
+        let (scene, notes) = read(&format!(r#"<shape type="sphere">{bsdf}</shape>"#));
+        (Material::clone(&scene.objects[0].material), notes)
+    };
+    let kinds: [(&str, fn(&Material) -> bool); 8] = [
+        (r#"<bsdf type="roughdielectric"/>"#, |m| matches!(m, Material::RoughDielectric(_))),
+        (r#"<bsdf type="thindielectric"/>"#, |m| matches!(m, Material::ThinDielectric(_))),
+        (r#"<bsdf type="plastic"/>"#, |m| matches!(m, Material::Plastic(_))),
+        (r#"<bsdf type="roughplastic"/>"#, |m| matches!(m, Material::RoughPlastic(_))),
+        (r#"<bsdf type="mask"><bsdf type="diffuse"/></bsdf>"#, |m| matches!(m, Material::Mask(_))),
+        // An effect at its null value is absent.
+        (r#"<bsdf type="mask"><float name="opacity" value="1"/><bsdf type="diffuse"/></bsdf>"#, |m| {
+            matches!(m, Material::Diffuse(_))
+        }),
+        (
+            r#"<bsdf type="blendbsdf"><float name="weight" value="0.25"/><bsdf type="diffuse"/><bsdf type="plastic"/></bsdf>"#,
+            |m| matches!(m, Material::Blend(_)),
+        ),
+        (r#"<bsdf type="roughdielectric"><float name="alpha" value="0"/></bsdf>"#, |m| {
+            matches!(m, Material::Dielectric(_))
+        }),
+    ];
+    for (bsdf, is_right) in kinds {
+        let (got, _) = material(bsdf);
+        assert!(is_right(&got), "{bsdf}: {got:?}");
+    }
+    let board =
+        r#"<bsdf type="mask"><texture name="opacity" type="checkerboard"/><bsdf type="diffuse"/></bsdf>"#;
+    let (_, notes) = material(board);
+    assert!(notes.iter().any(|n| n.contains("color0 and color1 are exchanged")), "{notes:?}");
+    let alone = r#"<bsdf type="blendbsdf"><float name="weight" value="0.5"/><bsdf type="diffuse"/></bsdf>"#;
+    expect_parts(&refused(alone), &["s.xml:3:1: bsdf blendbsdf with other than two <bsdf>;"]);
+    let brushed = r#"<bsdf type="roughplastic"><float name="alpha_u" value="0.1"/></bsdf>"#;
+    expect_parts(&refused(brushed), &["unknown <float> 'alpha_u' in bsdf roughplastic;", "alpha"]);
+}
+
+#[test]
+fn spots_and_environments_have_their_parameters() {
+    let cone = r#"<emitter type="spot"><rgb name="intensity" value="1 2 3"/><float name="cutoff_angle" value="40"/>
+        <transform name="to_world"><lookat origin="1,2,3" target="1,2,5" up="0,1,0"/></transform></emitter>"#;
+    let (scene, _) = read(cone);
+    let LightSettings::Spot { position, axis, intensity, angles } = &scene.lights[0] else {
+        panic!("a spot, not {:?}", scene.lights)
+    };
+    assert_eq!((*position, *axis), (DVec3::new(1.0, 2.0, 3.0), DVec3::Z));
+    assert_eq!((*intensity, *angles), (Rgb::new(1.0, 2.0, 3.0), [30.0, 40.0]));
+    let wide = r#"<emitter type="spot"><float name="cutoff_angle" value="200"/></emitter>"#;
+    expect_parts(
+        &refused(wide),
+        &["s.xml:3:22:", "cutoff_angle is 200; an angle in (0, 180] degrees is accepted"],
+    );
+    expect_parts(&refused(r#"<emitter type="envmap"/>"#), &["s.xml:3:1: emitter envmap has no 'filename'"]);
+    expect_parts(&refused(r#"<emitter type="sunsky"/>"#), &["emitter plugin 'sunsky'", "envmap"]);
 }
 
 #[test]

@@ -59,6 +59,13 @@ impl Object {
         }
     }
 
+    /// ∂p/∂u in the render frame at a hit of `ray`, up to a factor; zero where there is none.
+    pub fn tangent(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> Vec3 {
+        let own = self.shape.tangent(element, &self.shape.surface(element, hit, &self.to_object(ray)));
+        let map = self.motion.as_ref().map(|motion| motion.at(f64::from(ray.time)).matrix3);
+        map.map_or(own, |m| m * own).normalize_or_zero().as_vec3()
+    }
+
     /// A point of the surface at `time` for `u` in [0, 1)², with its density.
     ///
     /// # Measure

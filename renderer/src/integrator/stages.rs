@@ -81,7 +81,11 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
     for (index, (path, hit)) in (0..).zip(batch.paths.iter().zip(&batch.hits)) {
         if let Some(hit) = hit {
             let interaction = scene.accel.interaction(&path.ray, hit);
-            let frame = interaction.frame();
+            let frame = if scene.anisotropic {
+                scene.frame_along(&path.ray, hit, &interaction)
+            } else {
+                interaction.frame()
+            };
             batch.surfaces.push(Surface { path: index, hit: *hit, interaction, frame });
         }
     }
@@ -106,9 +110,10 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     for index in 0..batch.paths.len() {
         if batch.hits[index].is_none() {
             let path = batch.paths[index];
-            let pdf = scene.lights.pmf_far() * light.pdf_escaped();
-            batch
-                .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
+            let direction = path.ray.direction;
+            let pdf = scene.lights.pmf_far() * light.pdf_escaped(direction);
+            let weight = found_weight(strategy, path.pdf, pdf);
+            batch.add(path.sample, path.throughput * light.radiance_escaped(direction) * weight);
         }
     }
 }
@@ -137,8 +142,10 @@ pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, 
         let u_light = if choose { sampler.draw_1d(id, path.vertex, Decision::LightChoice) } else { 0.0 };
         let (light, pmf) = scene.lights.choose(u_light, interaction.surface.point);
         let u = match light {
-            Light::Point { .. } | Light::Directional { .. } => [0.0; 2],
-            Light::Area(_) | Light::Constant { .. } => sampler.draw_2d(id, path.vertex, Decision::LightPoint),
+            Light::Point { .. } | Light::Spot(_) | Light::Directional { .. } => [0.0; 2],
+            Light::Area(_) | Light::Constant { .. } | Light::Environment(_) => {
+                sampler.draw_2d(id, path.vertex, Decision::LightPoint)
+            }
         };
         let Some(light) = light.sample(&scene.accel, &interaction, u) else { continue };
         let bsdf = material.bsdf(interaction.surface.uv);
@@ -210,7 +217,7 @@ impl<S: Sampler> Bounce<'_, S> {
             }
         };
         let lobe = || if calls.lobe { self.sampler.draw_1d(self.id, vertex, Decision::Lobe) } else { 0.0 };
-        if !calls.dielectric || branch == Branch::Fresnel {
+        if !bsdf.forks() || branch == Branch::Fresnel {
             next.extend(
                 bsdf.sample(wo, lobe(), direction(vertex.branch))
                     .and_then(|s| self.path_along(&s, vertex.branch, 1.0)),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
-use super::{obj, ply};
+use super::{obj, ply, serialized};
 use crate::Error;
 use crate::shapes::MeshData;
 
@@ -15,6 +15,11 @@ pub enum MeshFormat {
     Obj,
     /// Stanford.
     Ply,
+    /// One mesh of Mitsuba's own format.
+    Serialized {
+        /// Which one, from 0.
+        shape: u32,
+    },
 }
 
 /// Reads the mesh of `format` whose file `path` has the content `bytes`. Every number is finite, every index exists, and
@@ -26,6 +31,7 @@ pub fn parse(path: &Path, bytes: &[u8], format: MeshFormat) -> Result<MeshData, 
     let mesh = match format {
         MeshFormat::Obj => obj::parse(path, bytes)?,
         MeshFormat::Ply => ply::parse(path, bytes)?,
+        MeshFormat::Serialized { shape } => serialized::parse(path, bytes, shape)?,
     };
     if mesh.triangles.is_empty() {
         let message = "a mesh without faces; one face or more is accepted".into();

@@ -9,6 +9,7 @@ pub mod part;
 mod ply;
 pub mod png;
 pub mod rendering;
+mod serialized;
 
 pub use image::{Image, MAX_PIXELS, Metadata, Provenance};
 pub use mitsuba::read_scene;

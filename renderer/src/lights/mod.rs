@@ -1,6 +1,7 @@
 //! Rank 6: where light comes from, and points on lights to connect to.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -11,14 +12,18 @@ use crate::ray::{Hit, Ray};
 use crate::sampling::warp;
 
 pub mod area;
+pub mod environment;
 pub mod select;
+pub mod spot;
 mod tree;
 
 pub use area::{AreaLight, LightSampling};
+pub use environment::Environment;
 pub use select::Lights;
+pub use spot::Spot;
 
 /// A source of light.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Light {
     /// A shape that emits.
     Area(AreaLight),
@@ -27,6 +32,8 @@ pub enum Light {
         /// Radiance [W m⁻² sr⁻¹].
         radiance: Rgb,
     },
+    /// Radiance by direction from beyond all shapes.
+    Environment(Arc<Environment>),
     /// The same intensity in every direction from one point.
     Point {
         /// Position in the render frame.
@@ -34,6 +41,8 @@ pub enum Light {
         /// Intensity [W sr⁻¹].
         intensity: Rgb,
     },
+    /// A cone of light from one point.
+    Spot(Spot),
     /// Parallel light.
     Directional {
         /// Unit vector towards the light.
@@ -69,6 +78,24 @@ impl Light {
     pub fn sample(&self, accel: &Accel, from: &Interaction, u: [f32; 2]) -> Option<LightSample> {
         match *self {
             Self::Area(ref light) => light.sample(accel, from, u),
+            Self::Environment(ref map) => {
+                let (wi, pdf) = map.sample(u)?;
+                let (radiance, shadow_ray) = (map.radiance(wi), from.spawn(wi));
+                Some(LightSample { wi, shadow_ray, radiance, pdf, delta: false })
+            }
+            Self::Spot(ref spot) => {
+                let d = spot.position - from.surface.point;
+                let wi = d.try_normalize()?;
+                let radiance = spot.towards(-wi) / d.length_squared();
+                let shadow_ray = from.spawn_to_point(spot.position);
+                (!radiance.is_black()).then_some(LightSample {
+                    wi,
+                    shadow_ray,
+                    radiance,
+                    pdf: 1.0,
+                    delta: true,
+                })
+            }
             Self::Constant { radiance } => {
                 let wi = warp::square_to_sphere(u);
                 Some(LightSample { wi, shadow_ray: from.spawn(wi), radiance, pdf: 0.25 / PI, delta: false })
@@ -95,10 +122,13 @@ impl Light {
         }
     }
 
-    /// What it sends towards whoever sees it: radiance, or intensity or irradiance for a light without extent.
+    /// What it sends towards whoever sees it: radiance (of an environment the mean over all directions), or intensity (of
+    /// a spot that in the middle) or irradiance for a light without extent.
     pub fn radiance(&self) -> Rgb {
         match *self {
             Self::Area(AreaLight { radiance, .. }) | Self::Constant { radiance } => radiance,
+            Self::Environment(ref map) => map.mean(),
+            Self::Spot(ref spot) => spot.intensity,
             Self::Point { intensity, .. } => intensity,
             Self::Directional { irradiance, .. } => irradiance,
         }
@@ -111,15 +141,35 @@ impl Light {
     pub fn pdf(&self, accel: &Accel, ray: &Ray, hit: &Hit, ng: Vec3) -> f32 {
         match self {
             Self::Area(light) => light.pdf(accel, ray, hit, ng),
-            Self::Constant { .. } | Self::Point { .. } | Self::Directional { .. } => self.pdf_escaped(),
+            Self::Constant { .. }
+            | Self::Environment(_)
+            | Self::Point { .. }
+            | Self::Spot(_)
+            | Self::Directional { .. } => self.pdf_escaped(ray.direction),
         }
     }
 
-    /// Density per steradian with which [`Self::sample`] would have drawn a direction that meets no shape.
-    pub fn pdf_escaped(&self) -> f32 {
+    /// Radiance from beyond all shapes, looking along the unit vector `direction`.
+    pub fn radiance_escaped(&self, direction: Vec3) -> Rgb {
+        match self {
+            Self::Constant { radiance } => *radiance,
+            Self::Environment(map) => map.radiance(direction),
+            Self::Area(_) | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => Rgb::BLACK,
+        }
+    }
+
+    /// Density per steradian with which [`Self::sample`] would have drawn the unit vector `direction`, which meets no
+    /// shape.
+    pub fn pdf_escaped(&self, direction: Vec3) -> f32 {
         match self {
             Self::Constant { .. } => 0.25 / PI,
-            Self::Area(_) | Self::Point { .. } | Self::Directional { .. } => 0.0,
+            Self::Environment(map) => map.pdf(direction),
+            Self::Area(_) | Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
         }
+    }
+
+    /// Whether it is beyond all shapes.
+    pub fn is_background(&self) -> bool {
+        matches!(self, Self::Constant { .. } | Self::Environment(_))
     }
 }

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::tree::{Extent, Tree};
 use super::{AreaLight, Light};
 use crate::accel::{Accel, Object};
+use crate::math::Rgb;
 use crate::shapes::Shape;
 
 /// All lights of a scene.
@@ -29,7 +30,7 @@ impl Lights {
     ///
     /// * `shutter`: when it opens and closes.
     pub fn new(lights: Vec<Light>, accel: &Accel, shutter: [f64; 2]) -> Self {
-        let background = lights.iter().position(|l| matches!(l, Light::Constant { .. }));
+        let background = lights.iter().position(Light::is_background);
         let extents: Vec<Option<Extent>> = lights.iter().map(|light| extent(light, accel, shutter)).collect();
         let indexed = || (0_u32..).zip(&extents);
         let near = indexed().filter_map(|(i, extent)| extent.map(|e| (i, e))).collect();
@@ -102,18 +103,20 @@ impl Lights {
 
 /// Where the light is while the shutter is open, and which way it shines; `None` beyond all shapes.
 fn extent(light: &Light, accel: &Accel, shutter: [f64; 2]) -> Option<Extent> {
+    let point = |position: Vec3, intensity: Rgb| Extent {
+        middle: position,
+        radius: 0.0,
+        axis: Vec3::Z,
+        cos: -1.0,
+        intensity: intensity.mean(),
+    };
     match *light {
         Light::Area(AreaLight { object, radiance, .. }) => {
             Some(extent_of(&accel.objects()[object as usize], radiance.mean(), shutter))
         }
-        Light::Point { position, intensity } => Some(Extent {
-            middle: position,
-            radius: 0.0,
-            axis: Vec3::Z,
-            cos: -1.0,
-            intensity: intensity.mean(),
-        }),
-        Light::Constant { .. } | Light::Directional { .. } => None,
+        Light::Point { position, intensity } => Some(point(position, intensity)),
+        Light::Spot(ref spot) => Some(point(spot.position, spot.intensity)),
+        Light::Constant { .. } | Light::Environment(_) | Light::Directional { .. } => None,
     }
 }
 

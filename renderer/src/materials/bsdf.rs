@@ -2,13 +2,19 @@
 
 use glam::Vec3;
 
+use super::blend::BlendAt;
 use super::blur_disk::BlurDisk;
 use super::conductor::Conductor;
 use super::dielectric::Dielectric;
 use super::diffuse::Diffuse;
+use super::mask::MaskAt;
 use super::mirror::Mirror;
 use super::phong::Phong;
+use super::plastic::Plastic;
 use super::rough::RoughConductor;
+use super::rough_dielectric::RoughDielectric;
+use super::rough_plastic::RoughPlasticAt;
+use super::thin_dielectric::ThinDielectric;
 use crate::math::Rgb;
 
 /// Whether a sampled direction is one of a few or one of a continuum.
@@ -53,6 +59,11 @@ impl BsdfSample {
         Self { wi, weight, pdf: 1.0, lobe: Lobe::Delta, transmitted: false, eta_rel: 1.0 }
     }
 
+    /// The direction straight on, of a delta lobe that is the only one.
+    pub(super) fn straight(wo: Vec3, weight: Rgb) -> Self {
+        Self { wi: -wo, weight, pdf: 1.0, lobe: Lobe::Delta, transmitted: true, eta_rel: 1.0 }
+    }
+
     /// This sample after a choice that takes it with probability `p` in (0, 1].
     pub(super) fn chosen_with(self, p: f32) -> Self {
         Self { weight: self.weight / p, pdf: self.pdf * p, ..self }
@@ -69,24 +80,30 @@ pub(super) fn reflected(w: Vec3) -> Vec3 {
 /// `wo` points to the eye and `wi` to the light, both away from the surface and of unit length. Values hold for
 /// radiance: what is refracted is divided by the square of `eta_rel`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bsdf {
-    pub(super) kind: Kind,
+pub struct Bsdf<'m> {
+    pub(super) kind: Kind<'m>,
     /// Whether the lower side scatters as the upper side does.
     pub(super) two_sided: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum Kind<'m> {
     Diffuse(Diffuse<Rgb>),
     Mirror(Mirror<Rgb>),
     Conductor(Conductor<Rgb>),
     RoughConductor(RoughConductor<Rgb>),
     Dielectric(Dielectric<Rgb>),
+    RoughDielectric(RoughDielectric<Rgb>),
+    ThinDielectric(ThinDielectric<Rgb>),
     BlurDisk(BlurDisk<Rgb>),
     Phong(Phong<Rgb>),
+    Plastic(Plastic<Rgb>),
+    RoughPlastic(RoughPlasticAt<'m>),
+    Mask(MaskAt<'m>),
+    Blend(BlendAt<'m>),
 }
 
-impl Bsdf {
+impl Bsdf<'_> {
     /// The value f(wo, wi), without the cosine; delta lobes give 0.
     ///
     /// A blur disk's value has the cosine in its denominator and overflows where that is below about 1e-31:
@@ -98,9 +115,16 @@ impl Bsdf {
         match &self.kind {
             Kind::Diffuse(b) => b.eval(wo, wi),
             Kind::RoughConductor(b) => b.eval(wo, wi),
+            Kind::RoughDielectric(b) => b.eval(wo, wi),
             Kind::BlurDisk(b) => b.eval(wo, wi),
             Kind::Phong(b) => b.eval(wo, wi),
-            Kind::Mirror(_) | Kind::Conductor(_) | Kind::Dielectric(_) => Rgb::BLACK,
+            Kind::Plastic(b) => b.eval(wo, wi),
+            Kind::RoughPlastic(b) => b.eval(wo, wi),
+            Kind::Mask(b) => b.eval(wo, wi),
+            Kind::Blend(b) => b.eval(wo, wi),
+            Kind::Mirror(_) | Kind::Conductor(_) | Kind::Dielectric(_) | Kind::ThinDielectric(_) => {
+                Rgb::BLACK
+            }
         }
     }
 
@@ -108,11 +132,11 @@ impl Bsdf {
     ///
     /// Returns: 1/sr; delta lobes give 0.
     pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        let (up_o, up_i) = self.upward(wo, wi);
         match &self.kind {
-            Kind::BlurDisk(b) => {
-                let (wo, wi) = self.upward(wo, wi);
-                b.eval_cos(wo, wi)
-            }
+            Kind::BlurDisk(b) => b.eval_cos(up_o, up_i),
+            Kind::Mask(b) => b.eval_cos(up_o, up_i),
+            Kind::Blend(b) => b.eval_cos(up_o, up_i),
             _ => self.eval(wo, wi) * wi.z.abs(),
         }
     }
@@ -127,9 +151,14 @@ impl Bsdf {
         match &self.kind {
             Kind::Diffuse(b) => b.pdf(wo, wi),
             Kind::RoughConductor(b) => b.pdf(wo, wi),
+            Kind::RoughDielectric(b) => b.pdf(wo, wi),
             Kind::BlurDisk(b) => b.pdf(wo, wi),
             Kind::Phong(b) => b.pdf(wo, wi),
-            Kind::Mirror(_) | Kind::Conductor(_) | Kind::Dielectric(_) => 0.0,
+            Kind::Plastic(b) => b.pdf(wo, wi),
+            Kind::RoughPlastic(b) => b.pdf(wo, wi),
+            Kind::Mask(b) => b.pdf(wo, wi),
+            Kind::Blend(b) => b.pdf(wo, wi),
+            Kind::Mirror(_) | Kind::Conductor(_) | Kind::Dielectric(_) | Kind::ThinDielectric(_) => 0.0,
         }
     }
 
@@ -164,16 +193,23 @@ impl Bsdf {
             Kind::Conductor(b) => b.sample(wo),
             Kind::RoughConductor(b) => b.sample(wo, u),
             Kind::Dielectric(b) => b.sample(wo, u_lobe),
+            Kind::RoughDielectric(b) => b.sample(wo, u_lobe, u),
+            Kind::ThinDielectric(b) => b.sample(wo, u_lobe),
             Kind::BlurDisk(b) => b.sample(wo, u_lobe, u),
             Kind::Phong(b) => b.sample(wo, u_lobe, u),
+            Kind::Plastic(b) => b.sample(wo, u_lobe, u),
+            Kind::RoughPlastic(b) => b.sample(wo, u_lobe, u),
+            Kind::Mask(b) => b.sample(wo, u_lobe, u),
+            Kind::Blend(b) => b.sample(wo, u_lobe, u),
         };
         sample.map(|s| BsdfSample { wi: if flipped { -s.wi } else { s.wi }, ..s })
     }
 
-    /// Whether light can go two ways here, so that both may be followed: [`Self::sample_branch`].
+    /// Whether light can go two ways here, so that both may be followed: [`Self::sample_branch`]. Ground glass has a
+    /// share of each for every facet, and masks and blends choose before: there one is followed, by its share.
     pub fn forks(&self) -> bool {
         match &self.kind {
-            Kind::Dielectric(_) => true,
+            Kind::Dielectric(_) | Kind::ThinDielectric(_) => true,
             Kind::BlurDisk(b) => b.forks(),
             _ => false,
         }
@@ -188,6 +224,7 @@ impl Bsdf {
     pub fn sample_branch(&self, wo: Vec3, branch: Branch, u: [f32; 2]) -> Option<BsdfSample> {
         match &self.kind {
             Kind::Dielectric(b) => b.sample_branch(wo, branch),
+            Kind::ThinDielectric(b) => b.sample_branch(wo, branch),
             Kind::BlurDisk(b) if b.forks() => b.sample_branch(wo, branch, u),
             _ => None,
         }
@@ -198,6 +235,7 @@ impl Bsdf {
     pub fn branch_probability_fresnel(&self, wo: Vec3) -> f32 {
         match &self.kind {
             Kind::Dielectric(b) => b.interface(wo).reflectance,
+            Kind::ThinDielectric(b) => b.shares(wo)[0],
             Kind::BlurDisk(b) => b.reflect_probability(wo),
             _ => 1.0,
         }

@@ -3,25 +3,42 @@
 //! A [`Material`] belongs to a scene; [`Material::bsdf`] looks its textures up and gives the [`Bsdf`] of one point,
 //! which is evaluated and sampled in the local frame.
 
+mod beckmann;
+mod blend;
 mod blur_disk;
 mod bsdf;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod facets;
 pub mod fresnel;
+mod mask;
 pub mod microfacet;
 mod mirror;
 mod phong;
+mod plastic;
 mod rough;
+mod rough_dielectric;
+mod rough_plastic;
+mod thin_dielectric;
 
+pub use beckmann::Beckmann;
+pub use blend::Blend;
 pub use blur_disk::BlurDisk;
 pub use bsdf::{Branch, Bsdf, BsdfSample, Lobe};
 pub use conductor::{Conductor, Metal};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use facets::Facets;
+pub use mask::Mask;
+pub use microfacet::Ggx;
 pub use mirror::Mirror;
 pub use phong::Phong;
+pub use plastic::Plastic;
 pub use rough::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use rough_plastic::RoughPlastic;
+pub use thin_dielectric::ThinDielectric;
 
 use crate::error::ParamError;
 use crate::texture::Texture;
@@ -36,14 +53,26 @@ pub enum Material {
     Mirror(Mirror<Texture>),
     /// A smooth metal.
     Conductor(Conductor<Texture>),
-    /// A rough metal (GGX).
+    /// A rough metal.
     RoughConductor(RoughConductor<Texture>),
     /// Smooth glass.
     Dielectric(Dielectric<Texture>),
+    /// Ground glass.
+    RoughDielectric(RoughDielectric<Texture>),
+    /// A window pane.
+    ThinDielectric(ThinDielectric<Texture>),
     /// The classic blurred reflection and refraction.
     BlurDisk(BlurDisk<Texture>),
     /// The modified Phong model.
     Phong(Phong<Texture>),
+    /// A diffuse body under a smooth coat.
+    Plastic(Plastic<Texture>),
+    /// A diffuse body under a rough coat.
+    RoughPlastic(Box<RoughPlastic>),
+    /// A material with holes.
+    Mask(Mask),
+    /// A mixture of two materials.
+    Blend(Blend),
     /// A material whose lower side scatters as its upper side does.
     TwoSided(Box<Self>),
 }
@@ -61,6 +90,8 @@ pub struct Calls {
     pub dielectric: bool,
     /// All its lobes are single directions: light sampling finds nothing.
     pub delta_only: bool,
+    /// It is not the same in all directions around the normal: the frame's first tangent must be the surface's.
+    pub anisotropic: bool,
 }
 
 impl Material {
@@ -88,20 +119,21 @@ impl Material {
         Conductor::new(metal, specular_reflectance).map(Self::Conductor)
     }
 
-    /// A metal with GGX roughness `alpha` along its two tangents; the smooth metal where both are 0.
+    /// A metal with microfacets; the smooth metal where their roughness is 0 along both tangents.
     ///
     /// # Errors
     /// [`ParamError`] for a roughness that is neither 0 in both directions nor 0.0001 to 10, or a reflectance
     /// outside [0, 1].
     pub fn new_rough_conductor(
-        alpha: [f32; 2],
+        facets: impl Into<Facets>,
         metal: Metal,
         specular_reflectance: Texture,
     ) -> Result<Self, ParamError> {
-        if alpha == [0.0; 2] {
+        let facets = facets.into();
+        if facets.is_smooth() {
             return Self::new_conductor(metal, specular_reflectance);
         }
-        RoughConductor::new(alpha, metal, specular_reflectance).map(Self::RoughConductor)
+        RoughConductor::new(facets, metal, specular_reflectance).map(Self::RoughConductor)
     }
 
     /// A smooth boundary of interior over exterior index `eta`.
@@ -114,6 +146,38 @@ impl Material {
         specular_transmittance: Texture,
     ) -> Result<Self, ParamError> {
         Dielectric::new(eta, specular_reflectance, specular_transmittance).map(Self::Dielectric)
+    }
+
+    /// A boundary with microfacets; the smooth one where their roughness is 0 along both tangents, and where `eta` is
+    /// 1: every facet then lets light pass straight on.
+    ///
+    /// # Errors
+    /// [`ParamError`] for a roughness that is neither 0 in both directions nor 0.0001 to 10, an index outside 0.001
+    /// to 1000 or a factor outside [0, 1].
+    pub fn new_rough_dielectric(
+        facets: impl Into<Facets>,
+        eta: f32,
+        specular_reflectance: Texture,
+        specular_transmittance: Texture,
+    ) -> Result<Self, ParamError> {
+        let facets = facets.into();
+        if facets.is_smooth() || eta == 1.0 {
+            return Self::new_dielectric(eta, specular_reflectance, specular_transmittance);
+        }
+        RoughDielectric::new(facets, eta, specular_reflectance, specular_transmittance)
+            .map(Self::RoughDielectric)
+    }
+
+    /// A thin pane of index `eta`.
+    ///
+    /// # Errors
+    /// [`ParamError`] for an index outside 0.001 to 1000 or a factor outside [0, 1].
+    pub fn new_thin_dielectric(
+        eta: f32,
+        specular_reflectance: Texture,
+        specular_transmittance: Texture,
+    ) -> Result<Self, ParamError> {
+        ThinDielectric::new(eta, specular_reflectance, specular_transmittance).map(Self::ThinDielectric)
     }
 
     /// The classic blurred reflection (and refraction, where `eta` is given): the ideal direction perturbed on a
@@ -146,6 +210,63 @@ impl Material {
         Phong::new(diffuse, specular, exponent).map(Self::Phong)
     }
 
+    /// A diffuse body under a smooth coat of index `eta`; colours saturate by internal reflection where `nonlinear`.
+    ///
+    /// # Errors
+    /// [`ParamError`] for an index outside 0.001 to 1000 or a reflectance outside [0, 1].
+    pub fn new_plastic(
+        eta: f32,
+        nonlinear: bool,
+        diffuse: Texture,
+        specular: Texture,
+    ) -> Result<Self, ParamError> {
+        Plastic::new(eta, nonlinear, diffuse, specular).map(Self::Plastic)
+    }
+
+    /// The same under a coat with microfacets; the smooth one where their roughness is 0.
+    ///
+    /// # Errors
+    /// [`ParamError`] for a roughness that is neither 0 nor 0.0001 to 10, an index outside 0.001 to 1000 or a
+    /// reflectance outside [0, 1].
+    pub fn new_rough_plastic(
+        facets: impl Into<Facets>,
+        eta: f32,
+        nonlinear: bool,
+        diffuse: Texture,
+        specular: Texture,
+    ) -> Result<Self, ParamError> {
+        let facets = facets.into();
+        if facets.is_smooth() {
+            return Self::new_plastic(eta, nonlinear, diffuse, specular);
+        }
+        let plastic = RoughPlastic::new(facets, eta, nonlinear, diffuse, specular)?;
+        Ok(Self::RoughPlastic(Box::new(plastic)))
+    }
+
+    /// A share `opacity` of `inner`; `inner` itself where that is 1 everywhere.
+    ///
+    /// # Errors
+    /// [`ParamError`] for an opacity outside [0, 1].
+    pub fn new_mask(opacity: Texture, inner: Self) -> Result<Self, ParamError> {
+        if opacity.range() == [1.0; 2] {
+            return Ok(inner);
+        }
+        Mask::new(opacity, inner).map(Self::Mask)
+    }
+
+    /// A share `weight` of the second of `parts`, the rest of the first; one of them where that is 0 or 1 everywhere.
+    ///
+    /// # Errors
+    /// [`ParamError`] for a weight outside [0, 1].
+    pub fn new_blend(weight: Texture, parts: [Self; 2]) -> Result<Self, ParamError> {
+        let [first, second] = parts;
+        match weight.range() {
+            [0.0, 0.0] => Ok(first),
+            [1.0, 1.0] => Ok(second),
+            _ => Blend::new(weight, [first, second]).map(Self::Blend),
+        }
+    }
+
     /// `inner` on both sides.
     ///
     /// # Errors
@@ -163,15 +284,21 @@ impl Material {
     }
 
     /// The material at the surface coordinates `uv`.
-    pub fn bsdf(&self, uv: [f32; 2]) -> Bsdf {
+    pub fn bsdf(&self, uv: [f32; 2]) -> Bsdf<'_> {
         let kind = match self {
             Self::Diffuse(m) => Kind::Diffuse(m.at(uv)),
             Self::Mirror(m) => Kind::Mirror(m.at(uv)),
             Self::Conductor(m) => Kind::Conductor(m.at(uv)),
             Self::RoughConductor(m) => Kind::RoughConductor(m.at(uv)),
             Self::Dielectric(m) => Kind::Dielectric(m.at(uv)),
+            Self::RoughDielectric(m) => Kind::RoughDielectric(m.at(uv)),
+            Self::ThinDielectric(m) => Kind::ThinDielectric(m.at(uv)),
             Self::BlurDisk(m) => Kind::BlurDisk(m.at(uv)),
             Self::Phong(m) => Kind::Phong(m.at(uv)),
+            Self::Plastic(m) => Kind::Plastic(m.at(uv)),
+            Self::RoughPlastic(m) => Kind::RoughPlastic(m.at(uv)),
+            Self::Mask(m) => Kind::Mask(m.at(uv)),
+            Self::Blend(m) => Kind::Blend(m.at(uv)),
             Self::TwoSided(inner) => return Bsdf { two_sided: true, ..inner.bsdf(uv) },
         };
         Bsdf { kind, two_sided: false }
@@ -183,12 +310,30 @@ impl Material {
         match self {
             Self::Diffuse(_) => Calls { direction: true, ..none },
             Self::Mirror(_) | Self::Conductor(_) => Calls { delta_only: true, ..none },
-            Self::RoughConductor(_) => Calls { direction: true, rough: true, ..none },
-            Self::Dielectric(_) => Calls { lobe: true, dielectric: true, delta_only: true, ..none },
+            Self::RoughConductor(m) => {
+                Calls { direction: true, rough: true, anisotropic: m.is_anisotropic(), ..none }
+            }
+            Self::Dielectric(_) | Self::ThinDielectric(_) => {
+                Calls { lobe: true, dielectric: true, delta_only: true, ..none }
+            }
+            Self::RoughDielectric(m) => Calls {
+                lobe: true,
+                direction: true,
+                rough: true,
+                dielectric: true,
+                anisotropic: m.is_anisotropic(),
+                ..none
+            },
             Self::BlurDisk(m) => {
                 Calls { lobe: m.forks(), direction: true, rough: true, dielectric: m.forks(), ..none }
             }
             Self::Phong(_) => Calls { lobe: true, direction: true, rough: true, ..none },
+            Self::Plastic(_) => Calls { lobe: true, direction: true, ..none },
+            Self::RoughPlastic(m) => {
+                Calls { lobe: true, direction: true, rough: true, anisotropic: m.is_anisotropic(), ..none }
+            }
+            Self::Mask(m) => Calls { lobe: true, dielectric: true, ..m.inner().calls_for() },
+            Self::Blend(m) => m.calls_for(),
             Self::TwoSided(inner) => inner.calls_for(),
         }
     }
@@ -199,14 +344,24 @@ impl Material {
     pub fn sharp(&self) -> Option<Self> {
         match self {
             Self::RoughConductor(m) => m.sharp(),
+            Self::RoughDielectric(m) => m.sharp(),
+            Self::RoughPlastic(m) => m.sharp(),
             Self::BlurDisk(m) => m.sharp(),
+            Self::Mask(m) => m.sharp(),
+            Self::Blend(m) => m.sharp(),
             Self::TwoSided(inner) => inner.sharp().map(|inner| Self::TwoSided(Box::new(inner))),
             other => (!other.calls_for().rough).then(|| other.clone()),
         }
     }
 
-    /// Whether light passes as if the surface were not there: a dielectric of index 1 that lets all through.
+    /// Whether light passes as if the surface were not there: a dielectric of index 1 that lets all through, or a mask
+    /// without opacity.
     pub fn is_absent(&self) -> bool {
-        matches!(self, Self::Dielectric(m) if m.is_absent())
+        match self {
+            Self::Dielectric(m) => m.is_absent(),
+            Self::ThinDielectric(m) => m.is_absent(),
+            Self::Mask(m) => m.is_absent(),
+            _ => false,
+        }
     }
 }

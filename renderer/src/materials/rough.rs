@@ -4,8 +4,9 @@ use glam::Vec3;
 
 use super::Material;
 use super::bsdf::{BsdfSample, Lobe};
-use super::conductor::{Metal, check_range};
-use super::microfacet::{Ggx, half_vector};
+use super::conductor::Metal;
+use super::facets::Facets;
+use super::microfacet::half_vector;
 use crate::error::ParamError;
 use crate::math::Rgb;
 use crate::texture::Texture;
@@ -19,7 +20,7 @@ use crate::texture::Texture;
 /// the plugin `roughconductor` of Mitsuba 3.9.1 has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoughConductor<C> {
-    facets: Ggx,
+    facets: Facets,
     metal: Metal,
     reflectance: C,
 }
@@ -27,16 +28,17 @@ pub struct RoughConductor<C> {
 impl RoughConductor<Texture> {
     /// The rough metal, its reflectance multiplied by `specular_reflectance`, each channel in [0, 1].
     ///
-    /// * `alpha`: GGX roughness along the two tangents, 0.0001 to 10.
-    ///
     /// # Errors
-    /// [`ParamError`] for values outside these ranges.
-    pub fn new(alpha: [f32; 2], metal: Metal, specular_reflectance: Texture) -> Result<Self, ParamError> {
-        for value in alpha {
-            check_range("alpha", value, [1e-4, 10.0], "0 (smooth, in both directions) or 0.0001 to 10")?;
-        }
+    /// [`ParamError`] for a reflectance outside that range and roughness outside 0.0001 to 10.
+    pub fn new(facets: Facets, metal: Metal, specular_reflectance: Texture) -> Result<Self, ParamError> {
+        facets.check()?;
         specular_reflectance.check_reflectance("specular_reflectance")?;
-        Ok(Self { facets: Ggx { alpha }, metal, reflectance: specular_reflectance })
+        Ok(Self { facets, metal, reflectance: specular_reflectance })
+    }
+
+    /// Whether roughness differs along the two tangents.
+    pub fn is_anisotropic(&self) -> bool {
+        self.facets.is_anisotropic()
     }
 
     /// The same metal without roughness.
@@ -97,6 +99,7 @@ impl RoughConductor<Rgb> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::microfacet::Ggx;
     use super::*;
 
     fn direction([theta, phi]: [f32; 2]) -> Vec3 {
@@ -118,7 +121,8 @@ mod tests {
         for (alpha, [wo, wi], value, pdf) in asked {
             let eta = Rgb::new(0.143036, 0.3753071, 1.4420453);
             let gold = Metal::new(eta, Rgb::new(3.982997, 2.3855565, 1.6033592)).unwrap();
-            let bsdf = RoughConductor::new(alpha, gold, Rgb::WHITE.into()).unwrap().at([0.0; 2]);
+            let bsdf =
+                RoughConductor::new(Ggx { alpha }.into(), gold, Rgb::WHITE.into()).unwrap().at([0.0; 2]);
             let (wo, wi) = (direction(wo), direction(wi));
             let got = (bsdf.eval(wo, wi) * wi.z).to_array();
             let pairs = got.into_iter().zip(value).chain([(bsdf.pdf(wo, wi), pdf)]);

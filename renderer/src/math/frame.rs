@@ -31,6 +31,15 @@ impl Frame {
         Self { x, y, z }
     }
 
+    /// Completes the unit vector `z` to a frame whose x axis is as near to `towards` as can be; any frame where that is
+    /// parallel to `z`.
+    pub fn from_z_towards(z: Vec3, towards: Vec3) -> Self {
+        match (towards - z * z.dot(towards)).try_normalize() {
+            Some(x) => Self { x, y: z.cross(x), z },
+            None => Self::from_z(z),
+        }
+    }
+
     /// The world vector `v` in local coordinates.
     #[inline]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
@@ -47,6 +56,13 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_frame_can_lie_along_a_tangent() {
+        let frame = Frame::from_z_towards(Vec3::Z, Vec3::new(0.0, 2.0, 5.0));
+        assert_eq!(frame, Frame { x: Vec3::Y, y: Vec3::NEG_X, z: Vec3::Z });
+        assert_eq!(Frame::from_z_towards(Vec3::Z, Vec3::NEG_Z), Frame::from_z(Vec3::Z));
+    }
 
     #[test]
     fn the_poles_have_exact_frames() {

@@ -49,6 +49,14 @@ impl Rgb {
         (self.r + self.g + self.b) / 3.0
     }
 
+    /// The CIE 1931 luminance of a linear sRGB value.
+    ///
+    /// # Source
+    /// Rec. ITU-R BT.709, with the digits of Mitsuba 3.9.1.
+    pub fn luminance(self) -> f32 {
+        0.212_671 * self.r + 0.715_16 * self.g + 0.072_169 * self.b
+    }
+
     /// Whether every channel is exactly zero.
     pub fn is_black(self) -> bool {
         self == Self::BLACK

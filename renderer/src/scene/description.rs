@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::camera::CameraSettings;
 use crate::film::FilmSettings;
@@ -69,12 +69,32 @@ pub enum LightSettings {
         /// Radiance.
         radiance: Rgb,
     },
+    /// Radiance [W m⁻² sr⁻¹] by direction from beyond all shapes: an image by latitude and longitude.
+    Environment {
+        /// Columns and rows.
+        size: [usize; 2],
+        /// Pixels row by row from the map's own +y.
+        pixels: Arc<[Rgb]>,
+        /// The map's own space to the world: a rotation, or a reflected one.
+        to_world: DMat3,
+    },
     /// The same intensity in every direction from one point.
     Point {
         /// Position in the world.
         position: DVec3,
         /// Intensity [W sr⁻¹].
         intensity: Rgb,
+    },
+    /// A cone of light from one point.
+    Spot {
+        /// Position in the world.
+        position: DVec3,
+        /// Along the middle of the cone, in the world; any length but 0.
+        axis: DVec3,
+        /// Intensity [W sr⁻¹] in the middle.
+        intensity: Rgb,
+        /// Half angles in degrees: of the whole intensity, and beyond which there is none.
+        angles: [f64; 2],
     },
     /// Parallel light.
     Directional {

@@ -8,10 +8,13 @@ use crate::accel::{Accel, Object};
 use crate::camera::{Camera, Shutter};
 use crate::error::{Error, ParamError};
 use crate::film::Film;
-use crate::lights::{AreaLight, Light, Lights};
+use crate::interaction::Interaction;
+use crate::lights::{AreaLight, Environment, Light, Lights, Spot};
 use crate::materials::Material;
-use crate::math::Rgb;
-use crate::shapes::Shape;
+use crate::math::float::round_f32;
+use crate::math::{Frame, Rgb};
+use crate::ray::{Hit, Ray};
+use crate::shapes::{Shape, ShapeHit};
 
 pub mod description;
 pub mod effects;
@@ -41,6 +44,8 @@ pub struct Scene {
     pub integrator: IntegratorSettings,
     /// What the scene calls for.
     pub effects: Effects,
+    /// Whether a material's frame must lie along the surface's own tangent.
+    pub anisotropic: bool,
     surfaces: Vec<SurfaceSettings>,
 }
 
@@ -98,6 +103,7 @@ impl Scene {
             lights,
             integrator: description.integrator,
             effects: Effects::NONE,
+            anisotropic: surfaces.iter().any(|s| s.material.calls_for().anisotropic),
             surfaces,
         };
         scene.effects = Effects::of(&scene);
@@ -112,6 +118,16 @@ impl Scene {
     /// The materials of all objects.
     pub fn materials(&self) -> impl Iterator<Item = &Material> {
         self.surfaces.iter().map(|s| s.material.as_ref())
+    }
+
+    /// The frame at a hit, with its x axis along the surface's tangent where the material looks at it.
+    pub fn frame_along(&self, ray: &Ray, hit: &Hit, interaction: &Interaction) -> Frame {
+        if !self.material(hit.object).calls_for().anisotropic {
+            return interaction.frame();
+        }
+        let at = ShapeHit { t: hit.t, uv: hit.uv };
+        let tangent = self.accel.objects()[hit.object as usize].tangent(hit.element, &at, ray);
+        Frame::from_z_towards(interaction.surface.n, tangent)
     }
 
     /// The index of the light that the object of index `object` is, and the light, if it is one.
@@ -143,21 +159,37 @@ fn index(n: usize) -> Result<u32, Error> {
 /// The light in the render frame; `None` where it is black.
 fn bare_light(settings: &LightSettings, to_frame: DVec3) -> Result<Option<Light>, ParamError> {
     let (light, quantity) = match *settings {
+        LightSettings::Environment { ref pixels, .. } if pixels.iter().all(|p| p.is_black()) => {
+            return Ok(None);
+        }
+        LightSettings::Environment { size, ref pixels, to_world } => {
+            let map = Environment::new(size, pixels.to_vec(), to_world)?;
+            let mean = map.mean();
+            (Light::Environment(Arc::new(map)), mean)
+        }
+        LightSettings::Spot { position, axis, intensity, angles } => {
+            let axis = unit("the length of axis", axis)?;
+            let angles = angles.map(round_f32);
+            let spot = Spot::new((position + to_frame).as_vec3(), axis.as_vec3(), intensity, angles)?;
+            (Light::Spot(spot), intensity)
+        }
         LightSettings::Constant { radiance } => (Light::Constant { radiance }, radiance),
         LightSettings::Point { position, intensity } => {
             (Light::Point { position: (position + to_frame).as_vec3(), intensity }, intensity)
         }
         LightSettings::Directional { direction, irradiance } => {
-            let wi = (-direction).try_normalize().ok_or(ParamError::OutOfRange {
-                name: "the length of direction",
-                value: direction.length(),
-                accepted: "a finite length above 0",
-            })?;
+            let wi = unit("the length of direction", -direction)?;
             (Light::Directional { wi: wi.as_vec3(), irradiance }, irradiance)
         }
     };
     check_radiance(quantity)?;
     Ok((!quantity.is_black()).then_some(light))
+}
+
+/// `v` at length 1.
+fn unit(name: &'static str, v: DVec3) -> Result<DVec3, ParamError> {
+    let accepted = "a finite length above 0";
+    v.try_normalize().ok_or(ParamError::OutOfRange { name, value: v.length(), accepted })
 }
 
 fn check_radiance(radiance: Rgb) -> Result<(), ParamError> {

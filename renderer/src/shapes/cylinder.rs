@@ -114,6 +114,11 @@ impl Cylinder {
         SurfacePoint { point, error, ng: n, n, uv }
     }
 
+    /// Around the axis.
+    pub(super) fn tangent(&self, surface: &SurfacePoint) -> DVec3 {
+        self.axes[2].cross(surface.ng.as_dvec3() * self.sign)
+    }
+
     pub(super) fn area(&self) -> f64 {
         std::f64::consts::TAU * self.radius * self.length
     }

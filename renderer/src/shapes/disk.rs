@@ -1,6 +1,6 @@
 //! Disks and ellipses.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::plane::Plane;
 use super::{ShapeHit, accept, turn};
@@ -40,6 +40,11 @@ impl Disk {
     pub(super) fn surface(&self, [x, y]: [f32; 2]) -> SurfacePoint {
         let radius = (x * x + y * y).sqrt().min(1.0);
         self.plane.surface([x, y], [radius, turn(f64::from(y), f64::from(x))])
+    }
+
+    /// Away from the centre.
+    pub(super) fn tangent(&self, surface: &SurfacePoint) -> DVec3 {
+        surface.point.as_dvec3() - self.plane.center
     }
 
     pub(super) fn area(&self) -> f64 {

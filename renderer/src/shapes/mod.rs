@@ -154,6 +154,18 @@ impl Shape {
         }
     }
 
+    /// ∂p/∂u at a point of an element, of any length: the direction in which the first texture coordinate grows; zero
+    /// where there is none.
+    pub fn tangent(&self, element: u32, surface: &SurfacePoint) -> DVec3 {
+        match self {
+            Self::Sphere(s) => s.tangent(surface),
+            Self::Rectangle(r) => r.tangent(),
+            Self::Disk(d) => d.tangent(surface),
+            Self::Cylinder(c) => c.tangent(surface),
+            Self::Mesh(m) => m.tangent(element),
+        }
+    }
+
     /// The area in m².
     pub fn area(&self) -> f64 {
         match self {

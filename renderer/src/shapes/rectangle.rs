@@ -40,6 +40,10 @@ impl Rectangle {
         self.plane.surface([x, y], [0.5 * (x + 1.0), 0.5 * (y + 1.0)])
     }
 
+    pub(super) fn tangent(&self) -> DVec3 {
+        self.plane.a
+    }
+
     pub(super) fn area(&self) -> f64 {
         4.0 * self.plane.jacobian()
     }

@@ -92,6 +92,12 @@ impl Sphere {
         SurfacePoint { point, error, ng: n, n, uv }
     }
 
+    /// Along the circles of latitude.
+    pub(super) fn tangent(&self, surface: &SurfacePoint) -> DVec3 {
+        let local = self.to_object * surface.ng.as_dvec3() * self.sign;
+        self.to_object.transpose() * DVec3::new(-local.y, local.x, 0.0)
+    }
+
     pub(super) fn area(&self) -> f64 {
         4.0 * std::f64::consts::PI * self.radius * self.radius
     }

@@ -29,6 +29,13 @@ impl Checkerboard {
         Ok(Self { colors, to_uv })
     }
 
+    /// The same with its two values exchanged.
+    #[must_use]
+    pub fn exchanged(self) -> Self {
+        let [a, b] = self.colors;
+        Self { colors: [b, a], ..self }
+    }
+
     /// The value at the surface coordinates `uv`.
     pub fn eval(&self, uv: [f32; 2]) -> Rgb {
         let p = self.to_uv.transform_point2(Vec2::from(uv));

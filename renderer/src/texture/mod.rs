@@ -32,6 +32,16 @@ impl Texture {
         }
     }
 
+    /// The value as one number: the mean of a constant's channels and of a checkerboard's, the luminance of an image's
+    /// pixels, as in Mitsuba 3.9.1.
+    pub fn eval_scalar(&self, uv: [f32; 2]) -> f32 {
+        let value = self.eval(uv);
+        match self {
+            Self::Constant(_) | Self::Checkerboard(_) => value.mean(),
+            Self::Bitmap(_) => value.luminance(),
+        }
+    }
+
     /// The smallest and the largest channel found anywhere on the texture.
     pub fn range(&self) -> [f32; 2] {
         match self {

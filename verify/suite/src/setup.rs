@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
 use renderer::film::{FilmSettings, Filter, Reconstruction};
 use renderer::integrator::PathTracer;
-use renderer::materials::{Material, Metal};
+use renderer::materials::{Facets, Ggx, Material, Metal};
 use renderer::math::Rgb;
 use renderer::math::transform::Motion;
 use renderer::render::{RenderSettings, Rendering, render};
@@ -59,8 +59,52 @@ pub fn phong([diffuse, specular]: [f32; 2], exponent: f32) -> Arc<Material> {
 
 /// A rough mirror, GGX: index 0 and extinction 1 reflect all light, so that what is lost is the model's.
 pub fn rough_mirror(alpha: f32, reflectance: f32) -> Arc<Material> {
+    mirror_of(Ggx { alpha: [alpha; 2] }.into(), reflectance)
+}
+
+/// A rough mirror of any microfacets.
+pub fn mirror_of(facets: Facets, reflectance: f32) -> Arc<Material> {
     let metal = Metal::new(Rgb::BLACK, Rgb::WHITE).expect("a mirror");
-    valid(Material::new_rough_conductor([alpha; 2], metal, gray(reflectance)))
+    valid(Material::new_rough_conductor(facets, metal, gray(reflectance)))
+}
+
+/// A smooth metal.
+pub fn smooth_metal(metal: Metal) -> Arc<Material> {
+    valid(Material::new_conductor(metal, gray(1.0)))
+}
+
+/// Ground glass.
+pub fn ground_glass(facets: Facets, eta: f32) -> Arc<Material> {
+    valid(Material::new_rough_dielectric(facets, eta, gray(1.0), gray(1.0)))
+}
+
+/// A window pane.
+pub fn pane(eta: f32, transmittance: f32) -> Arc<Material> {
+    valid(Material::new_thin_dielectric(eta, gray(1.0), gray(transmittance)))
+}
+
+/// Plastic of index 1.5 with a diffuse and a specular reflectance; rough where it has microfacets.
+pub fn plastic([diffuse, specular]: [f32; 2], coat: Option<Facets>) -> Arc<Material> {
+    let (diffuse, specular) = (gray(diffuse), gray(specular));
+    valid(match coat {
+        Some(facets) => Material::new_rough_plastic(facets, 1.5, true, diffuse, specular),
+        None => Material::new_plastic(1.5, true, diffuse, specular),
+    })
+}
+
+/// A share of a material, the rest holes.
+pub fn masked(opacity: f32, inner: &Material) -> Arc<Material> {
+    valid(Material::new_mask(gray(opacity), inner.clone()))
+}
+
+/// A mixture of two materials, a share `weight` of the second.
+pub fn blended(weight: f32, [first, second]: [&Material; 2]) -> Arc<Material> {
+    valid(Material::new_blend(gray(weight), [first.clone(), second.clone()]))
+}
+
+/// A material on both sides.
+pub fn two_sided(inner: &Material) -> Arc<Material> {
+    valid(Material::new_two_sided(inner.clone()))
 }
 
 /// A mirror blurred on a disk.

@@ -3,24 +3,35 @@
 use std::sync::Arc;
 
 use super::Context;
-use super::color::{color, index, single, texture};
+use super::color::{index, single, texture};
 use super::document::MAX_DEPTH;
+use super::metals;
 use super::object::Object;
-use crate::materials::{Material, Metal};
+use crate::materials::{Beckmann, Facets, Ggx, Material, Metal};
 use crate::math::Rgb;
-use crate::math::spectrum::Kind;
+use crate::texture::Texture;
 use crate::{Error, ParamError};
 
-const PLUGINS: [&str; 7] =
-    ["blurdisc", "conductor", "dielectric", "diffuse", "phong", "roughconductor", "twosided"];
+const PLUGINS: [&str; 13] = [
+    "blendbsdf",
+    "blurdisc",
+    "conductor",
+    "dielectric",
+    "diffuse",
+    "mask",
+    "phong",
+    "plastic",
+    "roughconductor",
+    "roughdielectric",
+    "roughplastic",
+    "thindielectric",
+    "twosided",
+];
 
-/// Mitsuba's defaults of `int_ior` (bk7) and `ext_ior` (air).
+/// Mitsuba's defaults of `int_ior` (bk7, of plastics polypropylene) and `ext_ior` (air).
 const GLASS: f64 = 1.5046;
+const PLASTIC: f64 = 1.49;
 const AIR: f64 = 1.000_277;
-
-/// Mitsuba's linear sRGB of its named conductors; a copy of `references/spectra/metals_rgb.csv`, whose README tells how it
-/// was made.
-const METALS: &str = include_str!("metals.csv");
 
 /// The material at `at` in the document.
 pub(super) fn read(context: &Context, at: usize) -> Result<Arc<Material>, Error> {
@@ -38,12 +49,18 @@ pub(super) fn read(context: &Context, at: usize) -> Result<Arc<Material>, Error>
     }
     context.building.borrow_mut().push(at);
     let built = match object.plugin(&PLUGINS)? {
+        "blendbsdf" => blend(&object)?,
         "blurdisc" => blur_disk(&object)?,
         "conductor" => conductor(&object)?,
         "dielectric" => dielectric(&object)?,
         "diffuse" => Material::new_diffuse(texture(&object, "reflectance", 0.5)?),
+        "mask" => mask(&object)?,
         "phong" => phong(&object)?,
+        "plastic" => plastic(&object, false)?,
         "roughconductor" => rough_conductor(&object)?,
+        "roughdielectric" => rough_dielectric(&object)?,
+        "roughplastic" => plastic(&object, true)?,
+        "thindielectric" => thin_dielectric(&object)?,
         _ => two_sided(&object)?,
     };
     let material = Arc::new(built.map_err(|reason| object.refuse(&reason))?);
@@ -62,19 +79,28 @@ fn eta(object: &Object, default: [f64; 2]) -> Result<f32, Error> {
     Ok(single(inside / outside))
 }
 
+/// `specular_reflectance` and `specular_transmittance`.
+fn factors(object: &Object) -> Result<[Texture; 2], Error> {
+    Ok([texture(object, "specular_reflectance", 1.0)?, texture(object, "specular_transmittance", 1.0)?])
+}
+
 fn dielectric(object: &Object) -> Built {
     let eta = eta(object, [GLASS, AIR])?;
-    let (reflected, transmitted) =
-        (texture(object, "specular_reflectance", 1.0)?, texture(object, "specular_transmittance", 1.0)?);
+    let [reflected, transmitted] = factors(object)?;
     Ok(Material::new_dielectric(eta, reflected, transmitted))
+}
+
+fn thin_dielectric(object: &Object) -> Built {
+    let eta = eta(object, [GLASS, AIR])?;
+    let [reflected, transmitted] = factors(object)?;
+    Ok(Material::new_thin_dielectric(eta, reflected, transmitted))
 }
 
 fn blur_disk(object: &Object) -> Built {
     let blur = object.float("blur")?.ok_or_else(|| object.missing("blur"))?;
     let refracts = object.has("int_ior") || object.has("ext_ior");
     let eta = eta(object, [GLASS, AIR])?;
-    let (reflected, transmitted) =
-        (texture(object, "specular_reflectance", 1.0)?, texture(object, "specular_transmittance", 1.0)?);
+    let [reflected, transmitted] = factors(object)?;
     if !refracts && object.has("specular_transmittance") {
         let message =
             "'specular_transmittance' without 'int_ior' or 'ext_ior'; one of them beside it is accepted";
@@ -97,7 +123,7 @@ fn two_sided(object: &Object) -> Built {
 }
 
 fn conductor(object: &Object) -> Built {
-    let metal = metal(object)?;
+    let metal = metals::metal(object)?;
     let reflectance = texture(object, "specular_reflectance", 1.0)?;
     Ok(match metal {
         Some(metal) => Material::new_conductor(metal, reflectance),
@@ -106,77 +132,90 @@ fn conductor(object: &Object) -> Built {
 }
 
 fn rough_conductor(object: &Object) -> Built {
-    let ggx = object.string("distribution")?;
-    if ggx.is_none_or(|d| d.value != "ggx") {
-        let place = ggx.map_or(object.place(), |d| &d.place);
-        let name = ggx.map_or("beckmann (Mitsuba's default)", |d| &d.value);
-        return Err(place.unsupported(format!("distribution {name}"), "ggx is accepted"));
-    }
+    let facets = facets(object, true)?;
+    // eta 0, k 1 reflects everything: Mitsuba's `none`
+    let none = || Metal::new(Rgb::BLACK, Rgb::WHITE).map_err(|reason| object.refuse(&reason));
+    let metal = metals::metal(object)?.map_or_else(none, Ok)?;
+    Ok(Material::new_rough_conductor(facets, metal, texture(object, "specular_reflectance", 1.0)?))
+}
+
+fn rough_dielectric(object: &Object) -> Built {
+    let facets = facets(object, true)?;
+    let eta = eta(object, [GLASS, AIR])?;
+    let [reflected, transmitted] = factors(object)?;
+    Ok(Material::new_rough_dielectric(facets, eta, reflected, transmitted))
+}
+
+fn plastic(object: &Object, rough: bool) -> Built {
+    let facets = if rough { Some(facets(object, false)?) } else { None };
+    let eta = eta(object, [PLASTIC, AIR])?;
+    let nonlinear = object.boolean("nonlinear", false)?;
+    let diffuse = texture(object, "diffuse_reflectance", 0.5)?;
+    let specular = texture(object, "specular_reflectance", 1.0)?;
+    Ok(match facets {
+        Some(facets) => Material::new_rough_plastic(facets, eta, nonlinear, diffuse, specular),
+        None => Material::new_plastic(eta, nonlinear, diffuse, specular),
+    })
+}
+
+/// The microfacets by `distribution` and `alpha`, or `alpha_u` and `alpha_v` where the plugin has them.
+fn facets(object: &Object, anisotropic: bool) -> Result<Facets, Error> {
+    let distributions: [(&str, fn([f32; 2]) -> Facets); 2] =
+        [("beckmann", |alpha| Beckmann { alpha }.into()), ("ggx", |alpha| Ggx { alpha }.into())];
+    let of_alpha = object.choice("distribution", &distributions, distributions[0].1)?;
     if !object.boolean("sample_visible", true)? {
         let why = "visible normals are always sampled; the image's mean is the same";
         object.context.note(format!("{}: 'sample_visible' has no effect: {why}", object.place()));
     }
     let alpha = object.float("alpha")?;
+    if !anisotropic {
+        return Ok(of_alpha([single(alpha.unwrap_or(0.1)); 2]));
+    }
     let [along, across] = [object.float("alpha_u")?, object.float("alpha_v")?];
     let alpha = match (alpha, along, across) {
         (None, None, None) => [0.1; 2],
         (Some(alpha), None, None) => [alpha; 2],
         (None, Some(u), Some(v)) => [u, v],
         _ => {
-            return Err(
-                object.refuse_value("alpha", "alpha_u and alpha_v; alpha alone or both of them are accepted")
-            );
+            let message = "alpha_u and alpha_v; alpha alone or both of them are accepted";
+            return Err(object.refuse_value("alpha", message));
         }
     };
-    // eta 0, k 1 reflects everything: Mitsuba's `none`
-    let none = || Metal::new(Rgb::BLACK, Rgb::WHITE).map_err(|reason| object.refuse(&reason));
-    let metal = metal(object)?.map_or_else(none, Ok)?;
-    Ok(Material::new_rough_conductor(alpha.map(single), metal, texture(object, "specular_reflectance", 1.0)?))
+    Ok(of_alpha(alpha.map(single)))
 }
 
-/// The metal by `material` or by `eta` and `k`; `None` for a mirror.
-fn metal(object: &Object) -> Result<Option<Metal>, Error> {
-    let material = object.string("material")?;
-    let (eta, k) = (color(object, "eta", Kind::Index)?, color(object, "k", Kind::Index)?);
-    let (eta, k) = match (material, eta, k) {
-        (None, None, None) => return Ok(None),
-        (None, Some(eta), Some(k)) => (eta, k),
-        (Some(name), None, None) if name.value == "none" => return Ok(None),
-        (Some(name), None, None) => named_metal(&name.value).ok_or_else(|| {
-            let names: Vec<&str> = METALS.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
-            let list = names.join(", ");
-            name.place.refuse(format!("'material' is '{}'; none, {list} are accepted", name.value))
-        })?,
-        _ => {
-            return Err(object
-                .place()
-                .refuse("eta, k and material; both eta and k, or material alone, are accepted"));
+/// A texture that is read as one number.
+///
+/// Mitsuba 3.9.1 exchanges the two colours of a checkerboard there (`eval_1` against `eval`), and so what a scene shows.
+fn share(object: &Object, name: &str) -> Result<Texture, Error> {
+    Ok(match texture(object, name, 0.5)? {
+        Texture::Checkerboard(board) => {
+            let why = "as in Mitsuba 3.9.1, where one number is asked for";
+            object
+                .context
+                .note(format!("{}: '{name}': color0 and color1 are exchanged, {why}", object.place()));
+            Texture::Checkerboard(board.exchanged())
         }
-    };
-    Metal::new(eta, k).map(Some).map_err(|reason| object.refuse(&reason))
+        other => other,
+    })
 }
 
-fn named_metal(name: &str) -> Option<(Rgb, Rgb)> {
-    let mut cells = METALS.lines().skip(1).map(|line| line.split(',')).find_map(|mut cells| {
-        let found = cells.next() == Some(name);
-        found.then_some(cells)
-    })?;
-    let mut next = || cells.next().and_then(|cell| cell.parse().ok());
-    let eta = Rgb::new(next()?, next()?, next()?);
-    Some((eta, Rgb::new(next()?, next()?, next()?)))
+fn mask(object: &Object) -> Built {
+    let opacity = share(object, "opacity")?;
+    let inner = object.only_nested("bsdf")?;
+    let inner = inner.ok_or_else(|| object.place().refuse("bsdf mask without a <bsdf>; one is accepted"))?;
+    Ok(Material::new_mask(opacity, Material::clone(&*read(object.context, inner)?)))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_of_metals_is_the_references_table_and_all_can_be_used() {
-        assert_eq!(METALS, include_str!("../../../../references/spectra/metals_rgb.csv"));
-        for name in METALS.lines().skip(1).filter_map(|line| line.split(',').next()) {
-            let (eta, k) = named_metal(name).unwrap();
-            assert!(eta.is_finite() && k.is_finite(), "{name}");
-        }
-        assert_eq!(named_metal("Au").unwrap().0.g, 0.375_307_08);
+fn blend(object: &Object) -> Built {
+    if !object.has("weight") {
+        return Err(object.missing("weight"));
     }
+    let weight = share(object, "weight")?;
+    let [first, second] = object.nested("bsdf")?[..] else {
+        let message = "bsdf blendbsdf with other than two <bsdf>; two are accepted";
+        return Err(object.place().refuse(message));
+    };
+    let part = |index| read(object.context, index).map(|material| Material::clone(&material));
+    Ok(Material::new_blend(weight, [part(first)?, part(second)?]))
 }

@@ -17,7 +17,7 @@ use crate::scene::ObjectSettings;
 use crate::shapes::{Shape, ShapeSettings};
 use crate::texture::Texture;
 
-const PLUGINS: [&str; 7] = ["cube", "cylinder", "disk", "obj", "ply", "rectangle", "sphere"];
+const PLUGINS: [&str; 8] = ["cube", "cylinder", "disk", "obj", "ply", "rectangle", "serialized", "sphere"];
 
 /// The shape at `index` of the document.
 pub(super) fn read(context: &Context, index: usize) -> Result<ObjectSettings, Error> {
@@ -39,6 +39,10 @@ pub(super) fn read(context: &Context, index: usize) -> Result<ObjectSettings, Er
             radius: radius(&object)?,
         },
         "obj" => mesh(&object, MeshFormat::Obj, &to_world)?,
+        "serialized" => {
+            let shape = object.count("shape_index", [0, u32::MAX], 0)?;
+            mesh(&object, MeshFormat::Serialized { shape }, &to_world)?
+        }
         _ => mesh(&object, MeshFormat::Ply, &to_world)?,
     };
     if !matches!(shape, ShapeSettings::Mesh(_)) {
@@ -70,10 +74,13 @@ fn mesh(object: &Object, format: MeshFormat, to_world: &Motion) -> Result<ShapeS
     let filename = object.string("filename")?.ok_or_else(|| object.missing("filename"))?;
     let face_normals = object.boolean("face_normals", false)?;
     // texture coordinates of OBJ files count v upwards
-    let flip_uvs = object.boolean("flip_tex_coords", format == MeshFormat::Obj)?;
+    let has_flip = !matches!(format, MeshFormat::Serialized { .. });
+    let flip_uvs = has_flip && object.boolean("flip_tex_coords", format == MeshFormat::Obj)?;
     let (path, bytes) = object.context.file(filename)?;
     let mut data = mesh::parse(&path, &bytes, format)?;
-    data.face_normals = face_normals;
+    // a serialized mesh may say so itself
+    data.face_normals |= face_normals;
+    let face_normals = data.face_normals;
     if let (Some(uvs), true) = (&mut data.uvs, flip_uvs) {
         uvs.iter_mut().for_each(|uv| uv[1] = 1.0 - uv[1]);
     }

@@ -1,12 +1,12 @@
 //! Furnaces: scenes in which every point is as bright as every other, whatever happens on the way.
 
 use glam::{DAffine3, DVec3};
-use renderer::materials::Material;
+use renderer::materials::{Ggx, Material};
 use renderer::math::Rgb;
 use renderer::scene::{IntegratorSettings, LightSettings, Scene, Strategy};
 use renderer::shapes::ShapeSettings;
 use std::sync::Arc;
-use verify::claim::{Claim, Evidence, Run, claim};
+use verify::claim::{Claim, Evidence, Level, Run, claim};
 use verify::error::InputError;
 use verify::irradiance::furnace_radiance;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
@@ -15,7 +15,10 @@ mod many;
 
 use super::lobe::{self, integral, upper};
 use crate::bounds;
-use crate::setup::{blurred_mirror, diffuse, lamp, phong, radiance, rough_mirror, spot, subject, thing};
+use crate::setup::{
+    blurred_mirror, diffuse, lamp, masked, pane, phong, plastic, radiance, rough_mirror, spot, subject,
+    thing, two_sided,
+};
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
@@ -24,6 +27,8 @@ pub(super) fn claims() -> Vec<Claim> {
         closed("furnace/closed/cut", &[Some(1), Some(2), Some(3), Some(6)]),
     ];
     list.extend([Surface::Diffuse, Surface::Phong, Surface::Rough, Surface::Blurred].map(white));
+    let later = [Surface::Plastic, Surface::RoughPlastic, Surface::Pane, Surface::Mask];
+    list.extend(later.map(|surface| white(surface).from_level(Level::Standard)));
     list.push(glass_sphere());
     list.extend(many::claims());
     list
@@ -111,6 +116,13 @@ enum Surface {
     Phong,
     Rough,
     Blurred,
+    /// White under a smooth coat: what the coat reflects and what comes out add up to all.
+    Plastic,
+    RoughPlastic,
+    /// A hollow glass ball: what a pane does not reflect it lets pass.
+    Pane,
+    /// White with holes, on both sides.
+    Mask,
 }
 
 impl Surface {
@@ -120,6 +132,10 @@ impl Surface {
             Self::Phong => "furnace/white/phong",
             Self::Rough => "furnace/white/ggx",
             Self::Blurred => "furnace/white/blur-reflection",
+            Self::Plastic => "furnace/white/plastic",
+            Self::RoughPlastic => "furnace/white/rough-plastic",
+            Self::Pane => "furnace/white/pane",
+            Self::Mask => "furnace/white/mask",
         }
     }
 
@@ -130,14 +146,25 @@ impl Surface {
             Self::Phong => phong([0.3 * factor, 0.5 * factor], 20.0),
             Self::Rough => rough_mirror(0.5, factor),
             Self::Blurred => blurred_mirror(0.4, factor),
+            Self::Plastic => plastic([factor; 2], None),
+            Self::RoughPlastic => plastic([0.6 * factor, factor], Some(Ggx { alpha: [0.5; 2] }.into())),
+            Self::Pane => pane(1.5, factor),
+            Self::Mask => masked(0.625, &two_sided(&diffuse(factor))),
         }
+    }
+
+    /// Which paths: inside a ball of panes, where none is absorbed, without roulette, so that all find the same.
+    fn paths(self) -> IntegratorSettings {
+        let rr_depth = if matches!(self, Self::Pane) { 100 } else { IntegratorSettings::PATH.rr_depth };
+        IntegratorSettings { rr_depth, ..IntegratorSettings::PATH }
     }
 
     /// Samples a replicate: more where the surface cuts a lobe.
     fn samples(self) -> u32 {
         match self {
-            Self::Diffuse => 512,
-            Self::Rough => 1024,
+            Self::Pane => 64,
+            Self::Diffuse | Self::Plastic | Self::Mask => 512,
+            Self::Rough | Self::RoughPlastic => 1024,
             Self::Phong | Self::Blurred => 2048,
         }
     }
@@ -145,8 +172,10 @@ impl Surface {
     /// Ways to look for light; points on lights alone seldom find a narrow lobe.
     fn strategies(self) -> &'static [Strategy] {
         match self {
-            Self::Diffuse => &[Strategy::Light, Strategy::Material, Strategy::Both],
-            Self::Phong | Self::Rough | Self::Blurred => &[Strategy::Material, Strategy::Both],
+            Self::Diffuse | Self::Plastic | Self::RoughPlastic | Self::Mask => {
+                &[Strategy::Light, Strategy::Material, Strategy::Both]
+            }
+            Self::Phong | Self::Rough | Self::Blurred | Self::Pane => &[Strategy::Material, Strategy::Both],
         }
     }
 
@@ -156,7 +185,14 @@ impl Surface {
         let over = |f: &dyn Fn(DVec3) -> f64| integral(&upper(), |wi| f(wi.as_dvec3()))[0];
         let eye = wo.as_dvec3();
         match self {
-            Self::Diffuse => 1.0,
+            Self::Diffuse | Self::Plastic | Self::Pane | Self::Mask => 1.0,
+            Self::RoughPlastic => {
+                // By its own value, which `material/rough-plastic/*` and a test against Mitsuba are about: here it is
+                // the ways to look for light that agree.
+                let material = self.material(1.0);
+                let bsdf = material.bsdf([0.0; 2]);
+                integral(&upper(), |wi| f64::from(bsdf.eval(wo, wi).g * wi.z))[0]
+            }
             Self::Phong => {
                 // The highlight has n + 2 in its value where its density has n + 1.
                 let highlight = |wi: DVec3| lobe::closed_form::highlight(20, eye, wi) * wi.z;
@@ -193,9 +229,10 @@ fn white(surface: Surface) -> Claim {
     let build = move |factor: f32| -> Result<Furnaces, InputError> {
         let mut list = Vec::new();
         for z in COSINES {
+            let exact = surface.albedo(z);
             for &strategy in surface.strategies() {
-                let settings = IntegratorSettings { strategy, ..IntegratorSettings::PATH };
-                list.push((body(surface.material(factor), z, settings)?, surface.albedo(z)));
+                let settings = IntegratorSettings { strategy, ..surface.paths() };
+                list.push((body(surface.material(factor), z, settings)?, exact));
             }
         }
         Ok(list)

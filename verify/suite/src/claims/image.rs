@@ -19,7 +19,7 @@ use crate::setup::subject;
 use crate::side::Side;
 
 /// Each scene with what it shows, the samples a pixel, the bound in percent that they settle, and the first level.
-const SCENES: [(&str, &str, u32, f64, Level); 7] = [
+const SCENES: [(&str, &str, u32, f64, Level); 8] = [
     (
         "cornell",
         "the Cornell box: inter-reflection between diffuse surfaces",
@@ -38,6 +38,13 @@ const SCENES: [(&str, &str, u32, f64, Level); 7] = [
     ("moving", "moving objects: motion blur", 64, bounds::IMAGE_PERCENT, Level::Standard),
     ("glass", "glass and rough metal", 96, bounds::IMAGE_PERCENT, Level::Standard),
     ("mesh", "triangle meshes with smooth normals", 16, bounds::IMAGE_PERCENT, Level::Standard),
+    (
+        "coats",
+        "ground glass, plastics, brushed metal, a mask and a blend under a sky",
+        64,
+        bounds::INTER_REFLECTION_PERCENT,
+        Level::Standard,
+    ),
     ("textured", "textures", 48, bounds::INTER_REFLECTION_PERCENT, Level::Standard),
 ];
 

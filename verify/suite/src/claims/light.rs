@@ -11,11 +11,15 @@ use renderer::math::Rgb;
 use renderer::shapes::{MeshData, Shape, ShapeSettings};
 use verify::claim::Claim;
 use verify::irradiance::{disk_solid_angle, polygon_solid_angle, sphere_solid_angle};
+use verify::quadrature::{Tolerance, integrate};
 
 use crate::setup::rectangle_at;
 
 mod density;
+mod environment;
+mod moving;
 mod solid_angle;
+mod spot;
 mod uniform;
 
 /// The claims of the group.
@@ -25,7 +29,11 @@ pub(super) fn claims() -> Vec<Claim> {
         list.push(density::pdf(lamp.clone()));
         list.push(density::solid_angle(lamp));
     }
+    list.extend(density::later(cylinder()));
     list.extend(solid_angle::claims());
+    list.extend(environment::claims());
+    list.extend(moving::claims());
+    list.extend(spot::claims());
     list
 }
 
@@ -144,6 +152,40 @@ fn sphere() -> Lamp {
         views: [2.0, 1.4, 5.0, 1.6].map(view),
         side: 64,
     }
+}
+
+/// Length of the cylinder, which stands on `CENTRE` along −z, a direction of its own space.
+const LENGTH: f64 = 1.5;
+
+/// A cylinder along −z from `CENTRE`, seen from outside.
+fn cylinder() -> Lamp {
+    let view = |[distance, height]: [f64; 2]| {
+        let from = CENTRE + DVec3::new(0.6 * distance, 0.8 * distance, -height);
+        (from, cylinder_solid_angle(RADIUS, LENGTH, distance, height))
+    };
+    Lamp {
+        name: "cylinder",
+        shape: ShapeSettings::Cylinder { p0: CENTRE, p1: CENTRE - LENGTH * DVec3::Z, radius: RADIUS },
+        to_world: DAffine3::IDENTITY,
+        area: std::f64::consts::TAU * RADIUS * LENGTH,
+        bend: 1.0 / RADIUS,
+        views: [[2.0, 0.75], [1.4, 0.2], [5.0, 3.0], [1.6, -0.5]].map(view),
+        side: 64,
+    }
+}
+
+/// The solid angle of the outer side of a cylinder's lateral surface.
+///
+/// ∫ n·v/|v|³ dA over what faces the eye: n·v = D cos φ − r at the angle φ from the eye's, |v|² =
+/// q² + z² with q² = D² + r² − 2Dr cos φ, and ∫ dz/(q² + z²)^{3/2} = z/(q² √(q² + z²)).
+fn cylinder_solid_angle(radius: f64, length: f64, distance: f64, height: f64) -> f64 {
+    let strip = |phi: f64| {
+        let q2 = distance * distance + radius * radius - 2.0 * distance * radius * phi.cos();
+        let along = |z: f64| z / (q2 * (q2 + z * z).sqrt());
+        (distance * phi.cos() - radius) * radius * (along(length - height) - along(-height))
+    };
+    let tolerance = Tolerance { relative: 1e-10, absolute: 1e-12, pieces: 1000 };
+    2.0 * integrate(&strip, [0.0, (radius / distance).acos()], tolerance).value
 }
 
 /// The parallelogram of `A` and `B` cut into triangles whose areas differ by a factor of up to 600.

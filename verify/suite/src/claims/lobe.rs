@@ -1,7 +1,9 @@
 //! Lobes of materials: their directions follow the closed form of the density, `pdf` is that form, and its integral is 1 less what is dropped.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3, Vec3};
-use renderer::materials::{Branch, Bsdf, Material};
+use renderer::materials::{Beckmann, Branch, Bsdf, Facets, Ggx, Material};
 use verify::claim::Claim;
 use verify::domain::{Directions, Domain};
 use verify::quadrature::{Tolerance, integrate_2d};
@@ -30,29 +32,51 @@ const PHONG: [f32; 2] = [0.3, 0.5];
 const BLUR: f32 = 0.4;
 const ETA: f32 = 1.5;
 
-/// The material's BSDF; it has no textures.
-fn plain(material: &Material) -> Bsdf {
-    material.bsdf([0.0; 2])
+/// Roughness along two tangents.
+const BRUSHED: [f32; 2] = [0.2, 0.6];
+
+/// Microfacets of claims in double precision, from the renderer's.
+fn normals(facets: Facets) -> closed_form::Normals {
+    match facets {
+        Facets::Ggx(f) => closed_form::Normals::Ggx(f.alpha.map(f64::from)),
+        Facets::Beckmann(f) => closed_form::Normals::Beckmann(f.alpha.map(f64::from)),
+    }
+}
+
+/// GGX that is rougher along y.
+pub(super) fn brushed() -> Facets {
+    Ggx { alpha: BRUSHED }.into()
+}
+
+/// Beckmann, round and broad.
+pub(super) fn beckmann() -> Facets {
+    Beckmann { alpha: [BROAD; 2] }.into()
+}
+
+/// The material's BSDF; it has no textures. Materials of claims live as long as the program.
+pub(super) fn plain(material: Arc<Material>) -> Bsdf<'static> {
+    let kept: &'static Arc<Material> = Box::leak(Box::new(material));
+    kept.bsdf([0.0; 2])
 }
 
 /// Diffuse, of albedo 0.8.
-pub(super) fn diffuse() -> Bsdf {
-    plain(&setup::diffuse(0.8))
+pub(super) fn diffuse() -> Bsdf<'static> {
+    plain(setup::diffuse(0.8))
 }
 
 /// A rough mirror.
-pub(super) fn ggx(alpha: f32) -> Bsdf {
-    plain(&setup::rough_mirror(alpha, 1.0))
+pub(super) fn ggx(alpha: f32) -> Bsdf<'static> {
+    plain(setup::rough_mirror(alpha, 1.0))
 }
 
 /// Phong's model with a diffuse and a specular reflectance.
-pub(super) fn phong(reflectances: [f32; 2], exponent: f32) -> Bsdf {
-    plain(&setup::phong(reflectances, exponent))
+pub(super) fn phong(reflectances: [f32; 2], exponent: f32) -> Bsdf<'static> {
+    plain(setup::phong(reflectances, exponent))
 }
 
 /// A blurred mirror, or blurred glass where `eta` is given.
-pub(super) fn blurred(eta: Option<f32>) -> Bsdf {
-    plain(&eta.map_or_else(|| setup::blurred_mirror(BLUR, 1.0), |eta| setup::blurred_glass(BLUR, eta)))
+pub(super) fn blurred(eta: Option<f32>) -> Bsdf<'static> {
+    plain(eta.map_or_else(|| setup::blurred_mirror(BLUR, 1.0), |eta| setup::blurred_glass(BLUR, eta)))
 }
 
 /// The unit vector at the cosine `z` to the normal, turned away from every axis.
@@ -92,6 +116,12 @@ fn roundings(count: f64) -> f64 {
 
 /// Directions and a frame for them: where a quadrature looks.
 pub(super) type Region = (Directions, DMat3);
+
+/// Both hemispheres.
+pub(super) fn everywhere() -> Vec<Region> {
+    let below = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
+    vec![(Directions::hemisphere(), DMat3::IDENTITY), (Directions::hemisphere(), below)]
+}
 
 /// The upper hemisphere.
 pub(super) fn upper() -> Vec<Region> {

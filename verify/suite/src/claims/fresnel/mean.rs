@@ -1,7 +1,7 @@
 //! Means of Fresnel's reflectance: over diffuse light, as the choice of a branch, and between the faces of a slab.
 
 use glam::{DAffine3, DVec3, Vec3};
-use renderer::materials::{Bsdf, Material};
+use renderer::materials::Material;
 use renderer::math::Rgb;
 use renderer::scene::{IntegratorSettings, ObjectSettings, Scene};
 use renderer::shapes::ShapeSettings;
@@ -28,9 +28,9 @@ fn about(exact: f64) -> MeanClaim {
 }
 
 /// A smooth boundary of index `eta`.
-fn boundary(eta: f32) -> Bsdf {
+fn boundary(eta: f32) -> Material {
     let white = || Texture::Constant(Rgb::WHITE);
-    Material::new_dielectric(eta, white(), white()).expect("indices of claims are valid").bsdf([0.0; 2])
+    Material::new_dielectric(eta, white(), white()).expect("indices of claims are valid")
 }
 
 /// Indices of water, glass and diamond's neighbourhood.
@@ -43,7 +43,8 @@ fn diffuse() -> Claim {
     let means =
         || INDICES.map(f64::from).map(walsh).as_flattened().iter().map(|&f| about(f)).collect::<Vec<_>>();
     let sampled = |i: usize, seed: u64, height: fn(f32) -> f32| {
-        let bsdf = boundary(INDICES[i / 2]);
+        let glass = boundary(INDICES[i / 2]);
+        let bsdf = glass.bsdf([0.0; 2]);
         let side = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         jittered::mean(seed, SIDE, |_, share| {
             let z = height(share);
@@ -81,7 +82,8 @@ fn choice() -> Claim {
     let means = move || COSINES.map(|place| about(exact(place)));
     let reflected = |i: usize, seed: u64, scale: f32| {
         let [z, eta] = COSINES[i];
-        let (wo, bsdf) = (Vec3::new((1.0 - z * z).sqrt(), 0.0, z), boundary(eta));
+        let (wo, glass) = (Vec3::new((1.0 - z * z).sqrt(), 0.0, z), boundary(eta));
+        let bsdf = glass.bsdf([0.0; 2]);
         // The third number alone decides; by itself it fills its range evenly.
         jittered::mean(seed, SIDE, |u, lobe| {
             f64::from(u8::from(bsdf.sample(wo, scale * lobe, u).is_some_and(|s| !s.transmitted)))

@@ -4,7 +4,7 @@ use glam::DVec3;
 use renderer::accel::Accel;
 use renderer::lights::{AreaLight, LightSampling};
 use renderer::ray::Ray;
-use verify::claim::{Claim, Evidence, Run, claim};
+use verify::claim::{Claim, Evidence, Level, Run, claim};
 use verify::error::InputError;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
@@ -15,6 +15,11 @@ use crate::bounds;
 
 /// A density as the renderer has it, and the cosine at the light: a control changes it.
 type Spoil = fn(f64, f64) -> f64;
+
+/// Both claims on a light, from the standard level on.
+pub(super) fn later(lamp: Lamp) -> [Claim; 2] {
+    [pdf(lamp.clone()), solid_angle(lamp)].map(|claim| claim.from_level(Level::Standard))
+}
 
 /// The claim that a light's densities are those of its area.
 pub(super) fn pdf(lamp: Lamp) -> Claim {

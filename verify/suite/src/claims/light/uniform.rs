@@ -1,16 +1,18 @@
 //! Points of every shape are uniform by area.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::{DMat3, DVec3};
 use verify::chi_square::ChiSquare;
-use verify::claim::Claim;
+use verify::claim::{Claim, Level};
 use verify::domain::{Directions, Disk, Domain, Parallelogram, Triangle};
 
 use super::super::pointwise::single;
-use super::{A, B, CENTRE, Lamp, RADIUS, TRIANGLES, VERTICES, axes, flat, triangle_corners};
+use super::{A, B, CENTRE, LENGTH, Lamp, RADIUS, TRIANGLES, VERTICES, axes, flat, triangle_corners};
 use crate::{bounds, wrong};
 
 pub(super) fn claims() -> Vec<Claim> {
-    vec![rectangle(), triangle(), disk(), sphere(), mesh()]
+    vec![rectangle(), triangle(), disk(), sphere(), mesh(), cylinder()]
 }
 
 /// A test of the points of `lamp`, which `to_point` takes to the domain.
@@ -67,6 +69,20 @@ fn sphere() -> Claim {
         .rejects("uniform angles", |u: [f64; 2]| Some(wrong::sphere_by_angles(u)))
         .rejects("a cube's points normalised", |u: [f64; 3]| Some(wrong::sphere_from_cube(u)))
         .claim("light/sphere/uniform", "points of a light that is a sphere are uniform on it")
+}
+
+fn cylinder() -> Claim {
+    let domain = Parallelogram::rectangle([0.0; 2], [TAU * RADIUS, LENGTH]).expect("not degenerate");
+    let unrolled = |p: DVec3, n: DVec3| {
+        let turn = n.y.atan2(n.x).rem_euclid(TAU);
+        [RADIUS * turn.min(TAU.next_down()), (CENTRE.z - p.z).clamp(0.0, LENGTH)]
+    };
+    test(domain, &super::cylinder(), unrolled)
+        .rejects("crowded at the ends", |[u, v]: [f64; 2]| {
+            Some([TAU * RADIUS * u, LENGTH * 0.5 * (1.0 - (PI * v).cos())])
+        })
+        .claim("light/cylinder/uniform", "points of a light that is a cylinder are uniform on it")
+        .from_level(Level::Standard)
 }
 
 fn mesh() -> Claim {

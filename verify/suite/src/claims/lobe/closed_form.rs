@@ -9,24 +9,107 @@ pub(in super::super) fn diffuse(wi: DVec3) -> f64 {
     FRAC_1_PI * wi.z.max(0.0)
 }
 
-/// Smith's G₁ of GGX: 2/(1 + √(1 + α² tan² θ)).
-pub(in super::super) fn ggx_g1(alpha: f64, w: DVec3) -> f64 {
-    let tan2 = w.truncate().length_squared() / (w.z * w.z);
-    2.0 / (1.0 + (1.0 + alpha * alpha * tan2).sqrt())
-}
-
-/// Mirrored visible normals of GGX: G₁(wo)·(wo·h)·D(h)/cos θₒ, times the Jacobian 1/(4·wo·h).
+/// Microfacets, rough by two numbers along x and y.
 ///
 /// # Source
-/// Walter, Marschner, Li, Torrance 2007, equations 33, 34 and 14; Heitz 2014, equation 3.
-pub(in super::super) fn ggx(alpha: f64, wo: DVec3, wi: DVec3) -> f64 {
-    if wi.z <= 0.0 {
-        return 0.0;
+/// Walter, Marschner, Li, Torrance 2007, equations 25, 26, 33 and 34; with two numbers: Heitz 2014, section 5.
+#[derive(Clone, Copy)]
+pub(in super::super) enum Normals {
+    /// GGX.
+    Ggx([f64; 2]),
+    /// Beckmann.
+    Beckmann([f64; 2]),
+}
+
+impl Normals {
+    /// tan² θ in a plane stretched by the roughness: along φ, tan² θ (cos² φ/αx² + sin² φ/αy²).
+    pub(in super::super) fn steepness(self, h: DVec3) -> f64 {
+        let (Self::Ggx([ax, ay]) | Self::Beckmann([ax, ay])) = self;
+        ((h.x / ax).powi(2) + (h.y / ay).powi(2)) / (h.z * h.z)
     }
-    let h = (wo + wi).normalize();
-    let tan2 = h.truncate().length_squared() / (h.z * h.z);
-    let d = alpha * alpha * FRAC_1_PI / (h.z.powi(4) * (alpha * alpha + tan2).powi(2));
-    ggx_g1(alpha, wo) * d / (4.0 * wo.z)
+
+    /// D: the area of microfacets per steradian of normals.
+    fn d(self, h: DVec3) -> f64 {
+        let t = self.steepness(h);
+        let peak = |[ax, ay]: [f64; 2]| FRAC_1_PI / (ax * ay * h.z.powi(4));
+        match self {
+            Self::Ggx(alpha) => peak(alpha) / (1.0 + t).powi(2),
+            Self::Beckmann(alpha) => peak(alpha) * (-t).exp(),
+        }
+    }
+
+    /// Smith's G₁: 2/(1 + √(1 + 1/a²)) of GGX, 2/(1 + erf a + exp(−a²)/(a√π)) of Beckmann, a = cot θ over the
+    /// roughness along φ.
+    pub(in super::super) fn g1(self, w: DVec3) -> f64 {
+        let (Self::Ggx([ax, ay]) | Self::Beckmann([ax, ay])) = self;
+        let a = w.z / (ax * w.x).hypot(ay * w.y);
+        match self {
+            Self::Ggx(_) => 2.0 / (1.0 + (1.0 + 1.0 / (a * a)).sqrt()),
+            Self::Beckmann(_) => 2.0 / (1.0 + erf(a) + (-a * a).exp() / (a * std::f64::consts::PI.sqrt())),
+        }
+    }
+
+    /// Mirrored visible normals: G₁(wo)·(wo·h)·D(h)/cos θₒ, times the Jacobian 1/(4·wo·h).
+    ///
+    /// # Source
+    /// Walter, Marschner, Li, Torrance 2007, equation 14; Heitz 2014, equation 3.
+    pub(in super::super) fn mirrored(self, wo: DVec3, wi: DVec3) -> f64 {
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        self.g1(wo) * self.d((wo + wi).normalize()) / (4.0 * wo.z)
+    }
+
+    /// Ground glass seen from either side: mirrored visible normals with the share F(wo·h), refracted ones with the
+    /// rest and the Jacobian η²·|wi·h|/|wo + η·wi|².
+    ///
+    /// * `eta`: index below the surface over that above it.
+    ///
+    /// # Source
+    /// Walter, Marschner, Li, Torrance 2007, equations 16 and 17.
+    pub(in super::super) fn through(self, eta: f64, wo: DVec3, wi: DVec3) -> f64 {
+        if wo.z < 0.0 {
+            return self.through(1.0 / eta, -wo, -wi);
+        }
+        if wi.z > 0.0 {
+            return fresnel(wo.dot((wo + wi).normalize()), eta) * self.mirrored(wo, wi);
+        }
+        let sum = wo + eta * wi;
+        let h = sum.normalize() * sum.z.signum();
+        let [near, far] = [wo.dot(h), -wi.dot(h)];
+        if near <= 0.0 || far <= 0.0 {
+            return 0.0;
+        }
+        let visible = self.g1(wo) * near * self.d(h) / wo.z;
+        (1.0 - fresnel(near, eta)) * visible * eta * eta * far / sum.length_squared()
+    }
+}
+
+/// The error function: 2/√π·exp(−x²)·Σ 2ⁿ x²ⁿ⁺¹/(1·3·…·(2n + 1)).
+///
+/// # Source
+/// Abramowitz, Stegun: Handbook of Mathematical Functions, 7.1.6.
+fn erf(x: f64) -> f64 {
+    if x > 6.0 {
+        return 1.0; // 1 − erf 6 = 2e-17
+    }
+    let (mut term, mut sum, mut odd) = (x, x, 1.0);
+    while term > 1e-17 * sum {
+        odd += 2.0;
+        term *= 2.0 * x * x / odd;
+        sum += term;
+    }
+    sum * (-x * x).exp() * 2.0 / std::f64::consts::PI.sqrt()
+}
+
+/// Smith's G₁ of round GGX.
+pub(in super::super) fn ggx_g1(alpha: f64, w: DVec3) -> f64 {
+    Normals::Ggx([alpha; 2]).g1(w)
+}
+
+/// Mirrored visible normals of round GGX.
+pub(in super::super) fn ggx(alpha: f64, wo: DVec3, wi: DVec3) -> f64 {
+    Normals::Ggx([alpha; 2]).mirrored(wo, wi)
 }
 
 /// Phong's highlight (n + 1)/(2π)·cosⁿ α about the mirrored direction, above the surface.
@@ -47,6 +130,9 @@ pub(in super::super) fn blur(f: f64, ideal: DVec3, wi: DVec3) -> f64 {
 /// Fresnel's reflectance by the sines and tangents of both angles; `eta` is the far side's index over the near side's.
 pub(in super::super) fn fresnel(cos: f64, eta: f64) -> f64 {
     let near = cos.min(1.0).acos();
+    if near < 1e-6 {
+        return ((eta - 1.0) / (eta + 1.0)).powi(2); // the next term is of the order of the angle's square
+    }
     let sin = near.sin() / eta;
     if sin >= 1.0 {
         return 1.0;
@@ -55,4 +141,18 @@ pub(in super::super) fn fresnel(cos: f64, eta: f64) -> f64 {
     let s = (near - far).sin() / (near + far).sin();
     let p = (near - far).tan() / (near + far).tan();
     0.5 * (s * s + p * p)
+}
+
+/// The reflectance of a metal of index m = η + ik, by complex arithmetic: the mean of |(c − q)/(c + q)|² and
+/// |(m²c − q)/(m²c + q)|², q² = m² − sin² θ.
+pub(in super::super) fn metal(c: f64, [eta, k]: [f64; 2]) -> f64 {
+    let m2 = [eta * eta - k * k, 2.0 * eta * k];
+    let q2 = [m2[0] - (1.0 - c * c), m2[1]];
+    let (radius, angle) = (q2[0].hypot(q2[1]).sqrt(), q2[1].atan2(q2[0]) / 2.0);
+    let q = [radius * angle.cos(), radius * angle.sin()];
+    let ratio = |a: [f64; 2]| {
+        let square = |sign: f64| (a[0] + sign * q[0]).powi(2) + (a[1] + sign * q[1]).powi(2);
+        square(-1.0) / square(1.0)
+    };
+    (ratio([c, 0.0]) + ratio([m2[0] * c, m2[1] * c])) / 2.0
 }

@@ -1,8 +1,8 @@
 //! Densities of lobes: their closed forms at every pair of directions, and what they leave for dropped directions.
 
 use glam::Vec3;
-use renderer::materials::{Branch, Bsdf};
-use verify::claim::{Claim, Evidence, Run, claim};
+use renderer::materials::{Branch, Bsdf, Facets};
+use verify::claim::{Claim, Evidence, Level, Run, claim};
 use verify::error::InputError;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
@@ -10,9 +10,10 @@ use super::super::jittered;
 use super::super::pointwise::{EPSILON, never, rejecting, single};
 use super::{BLUR, BROAD, ETA, EXPONENT, PHONG, Region, SHARP};
 use super::{
-    anywhere, blurred, closed_form, cones, diffuse, ggx, ideal, integral, phong, roundings, towards, upper,
+    anywhere, beckmann, blurred, brushed, closed_form, cones, diffuse, everywhere, ggx, ideal, integral,
+    normals, phong, plain, roundings, towards, upper,
 };
-use crate::bounds;
+use crate::{bounds, setup};
 
 /// The closed form of a density and its rounding; `None` where rounding decides between inside and outside.
 type Exact = fn(Vec3, Vec3) -> Option<[f64; 2]>;
@@ -25,7 +26,7 @@ type Spoil = fn(Vec3, Vec3, f64) -> f64;
 struct Subject {
     name: &'static str,
     formula: &'static str,
-    bsdf: Bsdf,
+    bsdf: Bsdf<'static>,
     /// Whether the surface is seen from below, too.
     both_sides: bool,
     exact: Exact,
@@ -36,7 +37,9 @@ struct Subject {
 }
 
 pub(super) fn claims() -> Vec<Claim> {
-    subjects().into_iter().flat_map(|subject| [pdf(subject), mass(subject)]).collect()
+    let later = |claim: Claim| claim.from_level(Level::Standard);
+    let others = microfacets().into_iter().flat_map(|subject| [pdf(subject), mass(subject)]).map(later);
+    subjects().into_iter().flat_map(|subject| [pdf(subject), mass(subject)]).chain(others).collect()
 }
 
 fn subjects() -> [Subject; 6] {
@@ -91,6 +94,68 @@ fn subjects() -> [Subject; 6] {
             ..blur
         },
     ]
+}
+
+/// Materials of microfacets other than round GGX.
+fn microfacets() -> [Subject; 3] {
+    let metal = Subject {
+        name: "beckmann",
+        formula: "G₁·D/(4 cos θₒ)",
+        bsdf: plain(setup::mirror_of(beckmann(), 1.0)),
+        both_sides: false,
+        exact: |wo, wi| mirrored_exact(wo, wi, beckmann()),
+        mistake: ("without the Jacobian of mirroring", |wo, wi, pdf| {
+            pdf * 4.0 * f64::from(wo.dot((wo + wi).normalize()))
+        }),
+        regions: |_| upper(),
+    };
+    [
+        metal,
+        Subject {
+            name: "ggx-brushed",
+            bsdf: plain(setup::mirror_of(brushed(), 1.0)),
+            exact: |wo, wi| mirrored_exact(wo, wi, brushed()),
+            ..metal
+        },
+        Subject {
+            name: "ground-glass",
+            formula: "F or 1 − F times the density of visible facets' directions",
+            bsdf: plain(setup::ground_glass(beckmann(), ETA)),
+            both_sides: true,
+            exact: |wo, wi| ground_exact(wo, wi, beckmann()),
+            regions: |_| everywhere(),
+            mistake: ("the Jacobian of refraction without η²", |wo, wi, pdf| {
+                let eta = if wo.z > 0.0 { f64::from(ETA) } else { 1.0 / f64::from(ETA) };
+                if wo.z * wi.z < 0.0 { pdf / (eta * eta) } else { pdf }
+            }),
+        },
+    ]
+}
+
+/// The exponent −t of Beckmann has the relative error of the half vector's square.
+fn mirrored_exact(wo: Vec3, wi: Vec3, facets: Facets) -> Option<[f64; 2]> {
+    let (wo, wi, exact) = (wo.as_dvec3(), wi.as_dvec3(), normals(facets));
+    let steepness = exact.steepness((wo + wi).normalize());
+    // Beyond, the exponential of single precision has fewer and fewer digits.
+    (steepness < 80.0 || wi.z <= 0.0).then(|| rounded(exact.mirrored(wo, wi), 40.0 + 16.0 * steepness))
+}
+
+/// As for mirrored directions; the facet that refracts comes from wo + η wi, of length ℓ, and has a relative error
+/// larger by 1/ℓ; near the critical angle the share that passes is the root of a difference.
+fn ground_exact(wo: Vec3, wi: Vec3, facets: Facets) -> Option<[f64; 2]> {
+    let (wo, wi, exact) = (wo.as_dvec3(), wi.as_dvec3(), normals(facets));
+    let eta = if wo.z > 0.0 { f64::from(ETA) } else { 1.0 / f64::from(ETA) };
+    let sum = if wo.z * wi.z > 0.0 { wo + wi } else { wo + eta * wi };
+    let (h, length) = (sum.normalize(), sum.length());
+    let cos = wo.dot(h);
+    let root = (cos * cos + eta * eta - 1.0).abs();
+    // Rounding decides at the horizons of the facet whether light passes, and beyond 80 see above.
+    let steepness = exact.steepness(h);
+    let clear =
+        root > 1e-2 && length > 1e-2 && cos.abs() > 1e-3 && wi.dot(h).abs() > 1e-3 && steepness < 80.0;
+    let count = (64.0 + 16.0 * steepness) * (1.0 + 1.0 / length) * (1.0 + 1.0 / root);
+    let count = count * (1.0 + 1.0 / h.z.abs()) * (1.0 + 1.0 / cos.abs() + 1.0 / wi.dot(h).abs());
+    clear.then(|| rounded(exact.through(f64::from(ETA), wo, wi), count))
 }
 
 /// A value, and what so many roundings make of it.

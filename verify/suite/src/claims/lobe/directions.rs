@@ -1,15 +1,17 @@
 //! Sampled directions against the closed forms of their densities, seen from above and at a grazing angle.
 
 use glam::{DMat3, DVec3, Vec3};
-use renderer::materials::{Branch, Bsdf};
+use renderer::materials::{Beckmann, Branch, Bsdf, Facets, Ggx, Lobe};
 use verify::chi_square::ChiSquare;
-use verify::claim::Claim;
+use verify::claim::{Claim, Level};
 use verify::domain::Directions;
 
 use super::super::pointwise::single;
 use super::{BLUR, BROAD, ETA, EXPONENT, PHONG, SHARP};
-use super::{blurred, closed_form, diffuse, frame_of, ggx, ideal, phong, towards};
-use crate::{bounds, wrong};
+use super::{
+    beckmann, blurred, brushed, closed_form, diffuse, frame_of, ggx, ideal, normals, phong, plain, towards,
+};
+use crate::{bounds, setup, wrong};
 
 pub(super) fn claims() -> Vec<Claim> {
     let mut list = vec![diffuse_lobe(), phong_from_above(), phong_grazing()];
@@ -22,7 +24,84 @@ pub(super) fn claims() -> Vec<Claim> {
     list.push(blur_disk("lobe/blur-refraction/from-above", Branch::Refract, 1.0));
     // From inside, where the refracted direction is 0.2 above the surface: sin θ = √(1 − 0.2²)/1.5.
     list.push(blur_disk("lobe/blur-refraction/grazing", Branch::Refract, -(1.0 - 0.96 / 2.25_f64).sqrt()));
+    for cos in [1.0, 0.2] {
+        list.push(microfacets("beckmann", beckmann(), Beckmann { alpha: [1.1 * BROAD; 2] }.into(), cos));
+        list.push(microfacets("ggx-brushed", brushed(), Ggx { alpha: [0.22, 0.66] }.into(), cos));
+    }
+    list.extend([0.9, -0.8].map(ground_glass));
+    list.extend([("plastic", None), ("rough-plastic", Some(brushed()))].map(plastic));
     list
+}
+
+/// Where a lobe is seen from, as claims are called.
+fn view(cos: f64) -> &'static str {
+    match cos {
+        c if c < 0.0 => "inside",
+        c if c < 0.5 => "grazing",
+        _ => "from-above",
+    }
+}
+
+fn microfacets(name: &str, facets: Facets, rougher: Facets, cos: f64) -> Claim {
+    let wo = towards(cos);
+    let exact = normals(facets);
+    let density = move |wi| exact.mirrored(wo.as_dvec3(), wi);
+    let of = |facets| direction(plain(setup::mirror_of(facets, 1.0)), wo);
+    let (wrong, other) = (of(rougher), of(Ggx { alpha: [BROAD; 2] }.into()));
+    test(Directions::hemisphere(), DMat3::IDENTITY, density, of(facets))
+        .rejects("10 % rougher", move |u: [f64; 2]| wrong(u).map(|w| w.to_array().map(f64::from)))
+        .rejects("round GGX", move |u: [f64; 2]| other(u).map(|w| w.to_array().map(f64::from)))
+        .claim(
+            format!("lobe/{name}/{}", view(cos)),
+            format!("directions follow the visible normals of {name}, cos θₒ = {cos}"),
+        )
+        .from_level(Level::Standard)
+}
+
+/// The direction that a BSDF of several lobes samples; one of finitely many is left out.
+fn any_direction(
+    bsdf: Bsdf<'static>,
+    wo: Vec3,
+) -> impl Fn([f64; 3]) -> Option<Vec3> + Copy + Send + Sync + 'static {
+    move |[lobe, u, v]| {
+        let sample = bsdf.sample(wo, single(lobe), [u, v].map(single))?;
+        (sample.lobe == Lobe::Spread).then_some(sample.wi)
+    }
+}
+
+fn ground_glass(cos: f64) -> Claim {
+    let wo = towards(cos);
+    let exact = normals(beckmann());
+    let density = move |wi| exact.through(f64::from(ETA), wo.as_dvec3(), wi);
+    let of = |facets, eta| any_direction(plain(setup::ground_glass(facets, eta)), wo);
+    let rougher = of(Beckmann { alpha: [1.1 * BROAD; 2] }.into(), ETA);
+    let denser = of(beckmann(), 1.1 * ETA);
+    test(Directions::sphere(), DMat3::IDENTITY, density, of(beckmann(), ETA))
+        .rejects("10 % rougher", move |u: [f64; 3]| rougher(u).map(|w| w.to_array().map(f64::from)))
+        .rejects("index 10 % too large", move |u: [f64; 3]| denser(u).map(|w| w.to_array().map(f64::from)))
+        .defect_in(1) // of the facets; the first number chooses between reflection and refraction
+        .claim(
+            format!("lobe/ground-glass/{}", view(cos)),
+            format!("directions are visible facets' mirrored and refracted ones, cos θₒ = {cos}"),
+        )
+        .from_level(Level::Standard)
+}
+
+/// Plastic's density, which `lobe/*/pdf` and `material/*/agreement` hold to its form, is that of its directions.
+fn plastic((name, coat): (&str, Option<Facets>)) -> Claim {
+    let wo = towards(0.5);
+    let of = |specular: f32| plain(setup::plastic([0.5, specular], coat));
+    let bsdf = of(1.0);
+    let density = move |wi: DVec3| f64::from(bsdf.pdf(wo, wi.as_vec3()));
+    let other = any_direction(of(0.5), wo);
+    test(Directions::hemisphere(), DMat3::IDENTITY, density, any_direction(bsdf, wo))
+        .rejects("half as many mirrored", move |u: [f64; 3]| other(u).map(|w| w.to_array().map(f64::from)))
+        .rejects("uniform directions of the body", |[_, u, v]: [f64; 3]| {
+            Some(wrong::hemisphere_uniform([u, v]))
+        })
+        .defect_in(1) // of the direction; the first number chooses between coat and body
+        .claim(format!("lobe/{name}/from-above"), format!("directions of {name} follow its density"))
+        .from_level(Level::Standard)
 }
 
 /// A test of directions in the frame of the domain; directions that are dropped are `None`.
@@ -40,7 +119,10 @@ fn test<const N: usize>(
 }
 
 /// The direction that a BSDF of one lobe samples.
-fn direction(bsdf: Bsdf, wo: Vec3) -> impl Fn([f64; 2]) -> Option<Vec3> + Copy + Send + Sync + 'static {
+fn direction(
+    bsdf: Bsdf<'static>,
+    wo: Vec3,
+) -> impl Fn([f64; 2]) -> Option<Vec3> + Copy + Send + Sync + 'static {
     move |u| bsdf.sample(wo, 0.0, u.map(single)).map(|s| s.wi)
 }
 

@@ -1,9 +1,9 @@
 //! Fresnel's equations, microfacets, half vectors, the blur disk.
 
 use glam::{DVec3, Vec3};
+use renderer::materials::Material;
 use renderer::materials::fresnel;
 use renderer::materials::microfacet::{Ggx, half_vector};
-use renderer::materials::{Bsdf, Material};
 use renderer::math::Rgb;
 use renderer::texture::Texture;
 
@@ -230,9 +230,9 @@ const HALF_VECTOR: Routine<6, 2> = Routine {
     }),
 };
 
-fn mirror(blur: f32) -> Option<Bsdf> {
+fn mirror(blur: f32) -> Option<Material> {
     let white = || Texture::Constant(Rgb::WHITE);
-    Some(Material::new_blur_disk(blur, None, white(), white()).ok()?.bsdf([0.0; 2]))
+    Material::new_blur_disk(blur, None, white(), white()).ok()
 }
 
 const BLUR_DISK: Routine<7, 1> = Routine {
@@ -262,7 +262,9 @@ const BLUR_DISK: Routine<7, 1> = Routine {
     },
     ours: |x| {
         let [ox, oy, oz, ix, iy, iz, f] = x.map(single);
-        [mirror(f).map_or(f64::NAN, |m| f64::from(m.pdf(Vec3::new(ox, oy, oz), Vec3::new(ix, iy, iz))))]
+        [mirror(f).map_or(f64::NAN, |m| {
+            f64::from(m.bsdf([0.0; 2]).pdf(Vec3::new(ox, oy, oz), Vec3::new(ix, iy, iz)))
+        })]
     },
     naive: ("tan² from the cosine", |x| {
         let [ox, oy, oz, ix, iy, iz, f] = x.map(single);
