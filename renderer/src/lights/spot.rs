@@ -54,7 +54,7 @@ impl Spot {
     }
 }
 
-/// Checks the half angles of a spot [degrees].
+/// Checks the half angles of a spot \[degrees\].
 ///
 /// # Errors
 /// `OutOfRange` unless 0 ≤ `beam` ≤ `cutoff` ≤ 180 and 0 < `cutoff`.

@@ -69,7 +69,7 @@ impl BlendAt<'_> {
     /// (1 − w) f₁ + w f₂ \[1/sr\].
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         let [(a, p), (b, q)] = self.parts();
-        a.eval(wo, wi) * p + b.eval(wo, wi) * q
+        a.eval_share(p, wo, wi) + b.eval_share(q, wo, wi)
     }
 
     /// The same times |cos θᵢ|.

@@ -128,6 +128,11 @@ impl Bsdf<'_> {
         }
     }
 
+    /// `share` times the value: nothing of what is absent, where the value itself overflows, too.
+    pub(super) fn eval_share(&self, share: f32, wo: Vec3, wi: Vec3) -> Rgb {
+        if share == 0.0 { Rgb::BLACK } else { self.eval(wo, wi) * share }
+    }
+
     /// f(wo, wi) |cos θᵢ|, what incident radiance is multiplied by; finite for all directions.
     ///
     /// Returns: 1/sr; delta lobes give 0.

@@ -59,7 +59,7 @@ impl Mask {
 impl MaskAt<'_> {
     /// α f' \[1/sr\].
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.inner.bsdf(self.uv).eval(wo, wi) * self.opacity
+        self.inner.bsdf(self.uv).eval_share(self.opacity, wo, wi)
     }
 
     /// α f' |cos θᵢ| \[1/sr\].
@@ -84,5 +84,19 @@ impl MaskAt<'_> {
             return Some(BsdfSample { pdf: sample.pdf * alpha, ..sample });
         }
         (wo.z != 0.0).then(|| BsdfSample::straight(wo, Rgb::splat(1.0 - alpha)).chosen_with(1.0 - alpha))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hole_shows_nothing_of_a_value_that_overflows() {
+        let blurred = Material::new_blur_disk(1.0, None, Rgb::WHITE.into(), Rgb::WHITE.into()).unwrap();
+        let (wo, grazing) = (Vec3::new(-0.8, 0.0, 0.6), Vec3::new(1.0, 0.0, 1e-44));
+        assert_eq!(blurred.bsdf([0.0; 2]).eval(wo, grazing), Rgb::splat(f32::INFINITY));
+        let hole = Mask::new(Rgb::BLACK.into(), blurred).unwrap();
+        assert_eq!(hole.at([0.0; 2]).eval(wo, grazing), Rgb::BLACK);
     }
 }

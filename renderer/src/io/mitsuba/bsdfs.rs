@@ -158,11 +158,14 @@ fn plastic(object: &Object, rough: bool) -> Built {
     })
 }
 
+/// Microfacets of a distribution by their roughness.
+type OfAlpha = fn([f32; 2]) -> Facets;
+
 /// The microfacets by `distribution` and `alpha`, or `alpha_u` and `alpha_v` where the plugin has them.
 fn facets(object: &Object, anisotropic: bool) -> Result<Facets, Error> {
-    let distributions: [(&str, fn([f32; 2]) -> Facets); 2] =
-        [("beckmann", |alpha| Beckmann { alpha }.into()), ("ggx", |alpha| Ggx { alpha }.into())];
-    let of_alpha = object.choice("distribution", &distributions, distributions[0].1)?;
+    let (beckmann, ggx): (OfAlpha, OfAlpha) =
+        (|alpha| Beckmann { alpha }.into(), |alpha| Ggx { alpha }.into());
+    let of_alpha = object.choice("distribution", &[("beckmann", beckmann), ("ggx", ggx)], beckmann)?;
     if !object.boolean("sample_visible", true)? {
         let why = "visible normals are always sampled; the image's mean is the same";
         object.context.note(format!("{}: 'sample_visible' has no effect: {why}", object.place()));

@@ -179,7 +179,7 @@ fn disagrees(subject: &Subject, [a, b, lobe, u, v]: [f64; 5], spoil: Spoil) -> b
     let sample = spoil(&subject.bsdf, wo, lobe, sample);
     let pdf = f64::from(subject.bsdf.pdf(wo, sample.wi));
     let reflected = f64::from(subject.bsdf.eval(wo, sample.wi).g * sample.wi.z.abs());
-    let slack = if subject.eta == 1.0 { 1.0 } else { facet_slack(&subject, wo, sample.wi) };
+    let slack = if subject.eta == 1.0 { 1.0 } else { facet_slack(subject, wo, sample.wi) };
     let far = |a: f64, b: f64| (a - b).abs() > AGREEMENT * slack * b;
     far(f64::from(sample.pdf), pdf) || far(f64::from(sample.weight.g) * pdf, reflected)
 }

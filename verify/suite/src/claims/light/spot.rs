@@ -51,10 +51,9 @@ fn cone() -> Claim {
     };
     let says = "a spot's light is its intensity over the squared distance, and falls with the angle from the beam to the cutoff";
     let mut builder = claim("light/spot/cone", says);
-    let controls: [(&'static str, fn(f64) -> f64); 2] = [
-        ("falling with the cosine", by_cosine),
-        ("whole up to the cutoff", |a| f64::from(u8::from(falloff(a) > 0.0))),
-    ];
+    let whole: fn(f64) -> f64 = |a| f64::from(u8::from(falloff(a) > 0.0));
+    let controls =
+        [("falling with the cosine", by_cosine as fn(f64) -> f64), ("whole up to the cutoff", whole)];
     for (name, share) in controls {
         let (light, accel) = (light(), nothing());
         builder = rejecting(builder, name, move |u| misses(&light, &accel, u, share));
