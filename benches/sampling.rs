@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use renderer::film::{Filter, FilterSampler, PixelSum};
+use renderer::film::{Filter, FilterSampler, PixelSum, Reconstruction};
 use renderer::math::Rgb;
 use renderer::sampling::generators::{Generator, Lcg};
 use renderer::sampling::{
@@ -74,7 +74,7 @@ fn film(c: &mut Criterion) {
         b.iter(|| {
             let mut pixel = PixelSum::new(4);
             (0..POINTS).for_each(|i| pixel.push(i / (POINTS / 4), Rgb::splat(i as f32), 1.0));
-            pixel.estimate(false)
+            pixel.estimate(Reconstruction::Importance)
         });
     });
     group.finish();

@@ -15,12 +15,13 @@ import queue
 import subprocess
 import sys
 import tomllib
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-ROOT = Path(__file__).resolve().parent.parent
+from tables import ROOT, commit, write
+
 CATALOGUE = ROOT / "verify" / "suite" / "faults"
 CLASSES = ["sample, pdf and eval disagree", "wrong measure", "index overflow", "correlated decisions",
            "half-cell offset", "cancellation", "convention mismatch", "comparator bug"]
@@ -73,8 +74,8 @@ def fault_of(path, entry):
     return fault
 
 
-def plant(root, fault):
-    """Writes the fault into the copy at `root`; returns the file's own text."""
+def source(root, fault):
+    """The text of the file that the fault is for; raises where the fault's text is not in it exactly once."""
     path = root / fault.file
     if not path.is_file():
         raise Unplantable(f"fault '{fault.id}': {fault.file} is not there")
@@ -82,7 +83,13 @@ def plant(root, fault):
     count = text.count(fault.find)
     if count != 1:
         raise Unplantable(f"fault '{fault.id}': its text is there {count} times in {fault.file}, not once")
-    path.write_text(text.replace(fault.find, fault.replace), encoding="utf-8")
+    return text
+
+
+def plant(root, fault):
+    """Writes the fault into the copy at `root`; returns the file's own text."""
+    text = source(root, fault)
+    (root / fault.file).write_text(text.replace(fault.find, fault.replace), encoding="utf-8")
     return text
 
 
@@ -161,12 +168,6 @@ def row(fault, found):
             "detections": found}
 
 
-def commit(root):
-    """The commit that is examined."""
-    return subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, check=True, capture_output=True,
-                          text=True).stdout.strip()
-
-
 def copy_of(root, folder):
     """A copy of the last commit."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -185,9 +186,19 @@ def workshops(scratch, count):
     return benches
 
 
-def examine_all(faults, scratch, options):
-    """The matrix: every fault's row, in the order of the catalogue."""
-    benches = workshops(scratch, min(options.jobs, len(faults)))
+def known(options):
+    """The rows of an earlier run on this commit, by fault: what a run that was cut off has found."""
+    if not (options.json and options.json.exists()):
+        return {}
+    matrix = json.loads(options.json.read_text(encoding="utf-8"))
+    return {row["id"]: row for row in matrix["faults"]} if matrix["commit"] == commit() else {}
+
+
+def examine_all(faults, options):
+    """The matrix: every fault's row, in the order of the catalogue; written after each fault."""
+    rows = known(options)
+    wanted = [fault for fault in faults if fault.id not in rows]
+    benches = workshops(options.scratch, min(options.jobs, len(wanted)))
 
     def one(fault):
         workshop = benches.get()
@@ -200,8 +211,14 @@ def examine_all(faults, scratch, options):
         print(f"{fault.id:28} {word}", file=sys.stderr, flush=True)
         return result
 
+    matrix = {"commit": commit(), "faults": [rows[fault.id] for fault in faults if fault.id in rows]}
     with ThreadPoolExecutor(options.jobs) as pool:
-        return {"commit": commit(ROOT), "faults": list(pool.map(one, faults))}
+        for future in as_completed([pool.submit(one, fault) for fault in wanted]):
+            rows[future.result()["id"]] = future.result()
+            matrix["faults"] = [rows[fault.id] for fault in faults if fault.id in rows]
+            if options.json:
+                write(options.json, matrix)
+    return matrix
 
 
 def svg(matrix):
@@ -235,7 +252,7 @@ def arguments():
     parser.add_argument("--only", action="append", metavar="ID", help="this fault; may be repeated")
     parser.add_argument("--first", action="store_true", help="stop at the subject's claims where they catch a fault")
     parser.add_argument("--catalogue", type=Path, metavar="FILE.toml", help="faults from elsewhere")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the matrix")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the matrix; faults that it has for this commit are not run again")
     parser.add_argument("--svg", type=Path, metavar="FILE", help="draw the matrix")
     parser.add_argument("--scratch", type=Path, default=ROOT / "target" / "faults", metavar="DIR",
                         help="for the copies and what is built (default: target/faults)")
@@ -257,14 +274,11 @@ def main():
     try:
         faults = chosen(read_catalogue(paths), options.only)
         for fault in faults:
-            if fault.find not in (ROOT / fault.file).read_text(encoding="utf-8"):
-                raise Unplantable(f"fault '{fault.id}': its text is not in {fault.file}")
-        matrix = examine_all(faults, options.scratch, options)
+            source(ROOT, fault)
+        matrix = examine_all(faults, options)
     except (Unplantable, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    if options.json:
-        options.json.write_text(json.dumps(matrix, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if options.svg:
         options.svg.write_text(svg(matrix), encoding="utf-8")
     missed = [fault["id"] for fault in matrix["faults"] if not fault["caught_by"]]

@@ -14,7 +14,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from tables import ROOT, commit, write
+
 TABLE = ROOT / "references" / "seeds.json"
 PROGRAM = ROOT / "target" / "release" / "lightproof"
 
@@ -30,9 +31,9 @@ def verdicts(program, seed):
     return {claim["id"]: claim["verdict"] for claim in report["claims"]}
 
 
-def fresh(commit):
+def fresh():
     """A table without seeds."""
-    return {"commit": commit, "command": "lightproof verify --seed N", "seeds": [], "claims": 0, "exceptions": []}
+    return {"commit": commit(), "command": "lightproof verify --seed N", "seeds": [], "claims": 0, "exceptions": []}
 
 
 def add(table, seed, found):
@@ -49,12 +50,6 @@ def differing(table, seed, found):
     return [claim for claim, word in found.items() if word != known.get(claim, "holds")]
 
 
-def head():
-    """The commit of the checkout."""
-    return subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, check=True, capture_output=True,
-                          text=True).stdout.strip()
-
-
 def check(table, seeds, program):
     """Whether seeds of the table give the same verdicts again."""
     same = True
@@ -65,13 +60,6 @@ def check(table, seeds, program):
     return same
 
 
-def write(path, table):
-    """Writes the table beside itself first, so that a run that is cut off leaves the last whole one."""
-    beside = path.with_suffix(".part")
-    beside.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
-    beside.replace(path)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, nargs="+", default=list(range(200)), metavar="N")
@@ -80,11 +68,11 @@ def main():
     parser.add_argument("-o", type=Path, default=TABLE, metavar="FILE", help="default: references/seeds.json")
     options = parser.parse_args()
     try:
-        table = json.loads(options.o.read_text(encoding="utf-8")) if options.o.exists() else fresh(head())
+        table = json.loads(options.o.read_text(encoding="utf-8")) if options.o.exists() else fresh()
         if options.check:
             return 0 if check(table, options.seeds, options.program) else 1
-        if table["commit"] != head():
-            table = fresh(head())
+        if table["commit"] != commit():
+            table = fresh()
         for seed in [seed for seed in options.seeds if seed not in table["seeds"]]:
             add(table, seed, verdicts(options.program, seed))
             write(options.o, table)

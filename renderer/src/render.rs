@@ -72,10 +72,8 @@ pub struct Rendering {
 
 impl Rendering {
     /// The image of `part`; tiles that are missing are black.
-    ///
-    /// * `reconstruction`: how the film makes a pixel of its samples.
     pub fn of(part: &Part, reconstruction: Reconstruction) -> Self {
-        let pixels = part.estimates(reconstruction == Reconstruction::Weighted);
+        let pixels = part.estimates(reconstruction);
         let per_pixel = f64::from(part.range[1] - part.range[0]) * f64::from(part.replicates);
         let sum: f64 = pixels.iter().map(|p| p.mean.iter().sum::<f64>() / 3.0).sum::<f64>() * per_pixel;
         let largest_share = if sum > 0.0 { part.largest() / sum } else { 0.0 };

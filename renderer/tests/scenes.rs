@@ -439,3 +439,37 @@ fn nests_and_trees_without_end_are_refused() {
     files.extend([("s.xml", main.as_str()), ("20.xml", "<scene/>")]);
     expect_parts(&Folder::new(&files).refused(), &["too many inclusions; up to 1000 files"]);
 }
+
+#[test]
+fn instances_are_copies_of_their_group() {
+    let group = r#"<shape type="shapegroup" id="pair"><shape type="sphere"><float name="radius" value="2"/></shape>
+        <shape type="disk"><transform name="to_world"><translate z="3"/></transform></shape></shape>"#;
+    let copy = |moved: &str| format!(r#"<shape type="instance"><ref id="pair"/>{moved}</shape>"#);
+    let there = r#"<transform name="to_world"><scale value="2"/><translate x="1"/></transform>"#;
+    let (scene, notes) = read(&format!("{group}{}{}", copy(""), copy(there)));
+    assert_eq!(scene.objects.len(), 4, "a group alone shows nothing: {notes:?}");
+    let at = |i: usize| scene.objects[i].to_world.at(0.0).transform_point3(DVec3::ZERO);
+    let places = [DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0), DVec3::X, DVec3::new(1.0, 0.0, 6.0)];
+    assert_eq!([0, 1, 2, 3].map(at), places);
+    let refuse = |body: &str, parts: &[&str]| expect_parts(&refused(body), parts);
+    refuse(&copy(""), &["pair"]);
+    refuse(r#"<shape type="instance"/>"#, &["an instance of nothing; one <shape> of type shapegroup"]);
+    refuse(r#"<shape type="instance"><shape type="sphere"/></shape>"#, &["sphere", "shapegroup"]);
+    let lamp = r#"<shape type="sphere"><emitter type="area"/></shape>"#;
+    refuse(&format!(r#"<shape type="shapegroup">{lamp}</shape>"#), &["an emitter in a shapegroup"]);
+    let nested = r#"<shape type="shapegroup"><shape type="instance"/></shape>"#;
+    refuse(nested, &["instance", "sphere"]);
+    let moving = r#"<animation name="to_world"><transform time="0"/><transform time="1"><rotate y="1" angle="90"/></transform></animation>"#;
+    refuse(&format!("{group}{}", copy(moving)), &["a moving instance", "is accepted"]);
+}
+
+#[test]
+fn two_sided_takes_a_material_for_each_side() {
+    let grey = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.2"/></bsdf>"#;
+    let sides = |inner: &str| format!(r#"<shape type="sphere"><bsdf type="twosided">{inner}</bsdf></shape>"#);
+    let (scene, _) = read(&sides(&format!("{grey}{}", r#"<bsdf type="conductor"/>"#)));
+    let bsdf = scene.objects[0].material.bsdf([0.0; 2]);
+    let up = DVec3::Z.as_vec3();
+    assert!(!bsdf.eval(up, up).is_black() && bsdf.eval(-up, -up).is_black());
+    expect_parts(&refused(&sides("")), &["other than one or two <bsdf>"]);
+}

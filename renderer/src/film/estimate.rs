@@ -1,5 +1,6 @@
 //! The fourth idea: every number is an estimate.
 
+use super::Reconstruction;
 use crate::math::Rgb;
 
 /// Sums in f64 along a fixed binary tree over the indices of the values.
@@ -95,14 +96,17 @@ impl PixelSum {
         self.replicates[replicate as usize].append(0, [r, g, b, f64::from(weight)]);
     }
 
-    /// The pixel's value: each replicate's Σ(w·L) / n, or Σ(w·L) / Σw if `by_weight`, and their mean.
-    pub fn estimate(&self, by_weight: bool) -> PixelEstimate {
+    /// The pixel's value: each replicate's Σ(w·L) / n, or Σ(w·L) / Σw if weighted, and their mean.
+    pub fn estimate(&self, reconstruction: Reconstruction) -> PixelEstimate {
         let values: Vec<[f64; 3]> = self
             .replicates
             .iter()
             .map(|sum| {
                 let [r, g, b, w] = sum.total();
-                let divisor = if by_weight { w } else { sum.count() as f64 };
+                let divisor = match reconstruction {
+                    Reconstruction::Importance => sum.count() as f64,
+                    Reconstruction::Weighted => w,
+                };
                 if divisor == 0.0 { [0.0; 3] } else { [r / divisor, g / divisor, b / divisor] }
             })
             .collect();
@@ -166,10 +170,10 @@ mod tests {
         let mut pixel = PixelSum::new(2);
         pixel.push(0, Rgb::splat(1.0), 1.0);
         pixel.push(1, Rgb::splat(3.0), 1.0);
-        let estimate = pixel.estimate(false);
+        let estimate = pixel.estimate(Reconstruction::Importance);
         assert_eq!(estimate.mean, [2.0; 3]);
         assert_eq!(estimate.standard_error, Some([1.0; 3])); // s = √2, s/√2 = 1
-        assert_eq!(PixelSum::new(1).estimate(false).standard_error, None);
+        assert_eq!(PixelSum::new(1).estimate(Reconstruction::Importance).standard_error, None);
     }
 
     #[test]
@@ -178,7 +182,7 @@ mod tests {
         for w in [0.3, 0.9, 0.25] {
             pixel.push(0, Rgb::splat(2.0) * w, w);
         }
-        let mean = pixel.estimate(true).mean[0];
+        let mean = pixel.estimate(Reconstruction::Weighted).mean[0];
         assert!((mean - 2.0).abs() < 3.0 * 2.0 * f64::from(f32::EPSILON)); // one f32 product a sample
     }
 }

@@ -20,6 +20,24 @@ pub enum Reconstruction {
     Weighted,
 }
 
+impl Reconstruction {
+    /// All ways.
+    pub const ALL: [Self; 2] = [Self::Importance, Self::Weighted];
+
+    /// The name in options and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Importance => "importance",
+            Self::Weighted => "weighted",
+        }
+    }
+
+    /// The way of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|way| way.name() == name)
+    }
+}
+
 /// The image to make.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmSettings {

@@ -1,5 +1,6 @@
 //! A render that isn't whole: some tiles, or some of the samples.
 
+use super::Reconstruction;
 use super::estimate::{PixelEstimate, PixelSum, levels};
 use crate::error::ParamError;
 
@@ -175,16 +176,14 @@ impl Part {
     }
 
     /// Every pixel's estimate, row by row from the top; pixels of tiles that are missing have no samples.
-    ///
-    /// * `by_weight`: divided by Σw instead of by the number of samples.
-    pub fn estimates(&self, by_weight: bool) -> Vec<PixelEstimate> {
+    pub fn estimates(&self, reconstruction: Reconstruction) -> Vec<PixelEstimate> {
         let [width, height] = self.size;
         let empty = PixelEstimate { mean: [0.0; 3], standard_error: None, samples: 0 };
         let mut image = vec![empty; width as usize * height as usize];
         for (tile, sums) in Tile::all(self.size).iter().zip(&self.tiles) {
             let Some(sums) = sums else { continue };
             for ([x, y], pixel) in tile.pixels().zip(self.pixels_of(sums)) {
-                image[y as usize * width as usize + x as usize] = pixel.estimate(by_weight);
+                image[y as usize * width as usize + x as usize] = pixel.estimate(reconstruction);
             }
         }
         image
@@ -221,13 +220,17 @@ mod tests {
         let whole = part([0, 13]);
         for cut in [1, 8, 12] {
             let joined = part([0, cut]).join(&part([cut, 13])).unwrap();
-            assert_eq!(joined.estimates(false), whole.estimates(false), "cut at {cut}");
+            assert_eq!(
+                joined.estimates(Reconstruction::Importance),
+                whole.estimates(Reconstruction::Importance),
+                "cut at {cut}"
+            );
             assert_eq!(
                 joined.lengths(),
                 joined.tiles.iter().flatten().map(|t| t.sums.len()).collect::<Vec<_>>()
             );
         }
-        assert!(whole.estimates(false).iter().all(|p| p.samples == 26));
+        assert!(whole.estimates(Reconstruction::Importance).iter().all(|p| p.samples == 26));
     }
 
     #[test]

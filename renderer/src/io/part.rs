@@ -27,8 +27,8 @@ pub struct Origin {
     pub samples: u32,
     /// Seed of the samples.
     pub seed: u64,
-    /// Whether a pixel is the weighted average of its samples.
-    pub by_weight: bool,
+    /// How the film makes a pixel of its samples.
+    pub reconstruction: Reconstruction,
     /// Version of the program.
     pub version: String,
 }
@@ -49,7 +49,7 @@ impl Origin {
             sampler: settings.sampler.name().into(),
             samples: settings.samples,
             seed: settings.seed,
-            by_weight: reconstruction == Reconstruction::Weighted,
+            reconstruction,
             version: env!("CARGO_PKG_VERSION").into(),
         }
     }
@@ -61,7 +61,7 @@ impl Origin {
             ("sampler", self.sampler.clone()),
             ("samples", self.samples.to_string()),
             ("seed", self.seed.to_string()),
-            ("by_weight", self.by_weight.to_string()),
+            ("reconstruction", self.reconstruction.name().into()),
             ("version", self.version.clone()),
         ]
     }
@@ -71,11 +71,6 @@ impl Origin {
         let pairs = self.lines().into_iter().zip(other.lines());
         let mut differing = pairs.filter(|(a, b)| a != b);
         differing.next().map(|((name, a), (_, b))| format!("{name} is {a}, and {b} is accepted"))
-    }
-
-    /// How the film makes a pixel of its samples.
-    pub fn reconstruction(&self) -> Reconstruction {
-        if self.by_weight { Reconstruction::Weighted } else { Reconstruction::Importance }
     }
 
     /// The provenance of the image that `part` makes.
@@ -157,7 +152,7 @@ fn decode(bytes: &[u8]) -> Result<(Origin, Part), String> {
         sampler: header.text("sampler")?.into(),
         samples: header.number("samples")?,
         seed: header.number("seed")?,
-        by_weight: header.number("by_weight")?,
+        reconstruction: header.reconstruction()?,
         version: header.text("version")?.into(),
     };
     let size: [u32; 2] = header.pair("size")?;
@@ -210,6 +205,12 @@ impl<'a> Header<'a> {
     fn number<T: std::str::FromStr>(&mut self, name: &str) -> Result<T, String> {
         let text = self.text(name)?;
         text.parse().map_err(|_| format!("{name} is '{text}'; a number in its range is accepted"))
+    }
+
+    fn reconstruction(&mut self) -> Result<Reconstruction, String> {
+        let text = self.text("reconstruction")?;
+        Reconstruction::named(text)
+            .ok_or_else(|| format!("reconstruction is '{text}'; importance or weighted is accepted"))
     }
 
     fn pair(&mut self, name: &str) -> Result<[u32; 2], String> {

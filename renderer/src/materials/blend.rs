@@ -42,15 +42,7 @@ impl Blend {
 
     /// What either part calls for, and a choice between them.
     pub fn calls_for(&self) -> Calls {
-        let [a, b] = [self.parts[0].calls_for(), self.parts[1].calls_for()];
-        Calls {
-            lobe: true,
-            direction: a.direction || b.direction,
-            rough: a.rough || b.rough,
-            dielectric: a.dielectric || b.dielectric,
-            delta_only: a.delta_only && b.delta_only,
-            anisotropic: a.anisotropic || b.anisotropic,
-        }
+        Calls { lobe: true, ..self.parts[0].calls_for().or(self.parts[1].calls_for()) }
     }
 
     /// The blend at the surface coordinates `uv`.

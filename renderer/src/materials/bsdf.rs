@@ -7,6 +7,7 @@ use super::blur_disk::BlurDisk;
 use super::conductor::Conductor;
 use super::dielectric::Dielectric;
 use super::diffuse::Diffuse;
+use super::faces::FacesAt;
 use super::mask::MaskAt;
 use super::mirror::Mirror;
 use super::phong::Phong;
@@ -101,6 +102,7 @@ pub(super) enum Kind<'m> {
     RoughPlastic(RoughPlasticAt<'m>),
     Mask(MaskAt<'m>),
     Blend(BlendAt<'m>),
+    Faces(FacesAt<'m>),
 }
 
 impl Bsdf<'_> {
@@ -122,6 +124,7 @@ impl Bsdf<'_> {
             Kind::RoughPlastic(b) => b.eval(wo, wi),
             Kind::Mask(b) => b.eval(wo, wi),
             Kind::Blend(b) => b.eval(wo, wi),
+            Kind::Faces(b) => b.eval(wo, wi),
             Kind::Mirror(_) | Kind::Conductor(_) | Kind::Dielectric(_) | Kind::ThinDielectric(_) => {
                 Rgb::BLACK
             }
@@ -142,6 +145,7 @@ impl Bsdf<'_> {
             Kind::BlurDisk(b) => b.eval_cos(up_o, up_i),
             Kind::Mask(b) => b.eval_cos(up_o, up_i),
             Kind::Blend(b) => b.eval_cos(up_o, up_i),
+            Kind::Faces(b) => b.eval_cos(up_o, up_i),
             _ => self.eval(wo, wi) * wi.z.abs(),
         }
     }
@@ -163,6 +167,7 @@ impl Bsdf<'_> {
             Kind::RoughPlastic(b) => b.pdf(wo, wi),
             Kind::Mask(b) => b.pdf(wo, wi),
             Kind::Blend(b) => b.pdf(wo, wi),
+            Kind::Faces(b) => b.pdf(wo, wi),
             Kind::Mirror(_) | Kind::Conductor(_) | Kind::Dielectric(_) | Kind::ThinDielectric(_) => 0.0,
         }
     }
@@ -206,6 +211,7 @@ impl Bsdf<'_> {
             Kind::RoughPlastic(b) => b.sample(wo, u_lobe, u),
             Kind::Mask(b) => b.sample(wo, u_lobe, u),
             Kind::Blend(b) => b.sample(wo, u_lobe, u),
+            Kind::Faces(b) => b.sample(wo, u_lobe, u),
         };
         sample.map(|s| BsdfSample { wi: if flipped { -s.wi } else { s.wi }, ..s })
     }

@@ -10,6 +10,7 @@ mod bsdf;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod faces;
 mod facets;
 pub mod fresnel;
 mod mask;
@@ -29,6 +30,7 @@ pub use bsdf::{Branch, Bsdf, BsdfSample, Lobe};
 pub use conductor::{Conductor, Metal};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use faces::Faces;
 pub use facets::Facets;
 pub use mask::Mask;
 pub use microfacet::Ggx;
@@ -75,6 +77,8 @@ pub enum Material {
     Blend(Blend),
     /// A material whose lower side scatters as its upper side does.
     TwoSided(Box<Self>),
+    /// A material for each side.
+    Faces(Faces),
 }
 
 /// Which random decisions a material makes, and which effects it calls for.
@@ -92,6 +96,20 @@ pub struct Calls {
     pub delta_only: bool,
     /// It is not the same in all directions around the normal: the frame's first tangent must be the surface's.
     pub anisotropic: bool,
+}
+
+impl Calls {
+    /// What one of two materials calls for.
+    fn or(self, other: Self) -> Self {
+        Self {
+            lobe: self.lobe || other.lobe,
+            direction: self.direction || other.direction,
+            rough: self.rough || other.rough,
+            dielectric: self.dielectric || other.dielectric,
+            delta_only: self.delta_only && other.delta_only,
+            anisotropic: self.anisotropic || other.anisotropic,
+        }
+    }
 }
 
 impl Material {
@@ -283,6 +301,18 @@ impl Material {
         Ok(Self::TwoSided(Box::new(inner)))
     }
 
+    /// The first of `sides` above, the second below; [`Self::new_two_sided`] where they are the same.
+    ///
+    /// # Errors
+    /// [`ParamError::OutOfRange`] when light can pass through one of them.
+    pub fn new_faces(sides: [Self; 2]) -> Result<Self, ParamError> {
+        if sides[0] == sides[1] {
+            let [side, _] = sides;
+            return Self::new_two_sided(side);
+        }
+        Faces::new(sides).map(Self::Faces)
+    }
+
     /// The material at the surface coordinates `uv`.
     pub fn bsdf(&self, uv: [f32; 2]) -> Bsdf<'_> {
         let kind = match self {
@@ -299,6 +329,7 @@ impl Material {
             Self::RoughPlastic(m) => Kind::RoughPlastic(m.at(uv)),
             Self::Mask(m) => Kind::Mask(m.at(uv)),
             Self::Blend(m) => Kind::Blend(m.at(uv)),
+            Self::Faces(m) => Kind::Faces(m.at(uv)),
             Self::TwoSided(inner) => return Bsdf { two_sided: true, ..inner.bsdf(uv) },
         };
         Bsdf { kind, two_sided: false }
@@ -334,6 +365,7 @@ impl Material {
             }
             Self::Mask(m) => Calls { lobe: true, dielectric: true, ..m.inner().calls_for() },
             Self::Blend(m) => m.calls_for(),
+            Self::Faces(m) => m.calls_for(),
             Self::TwoSided(inner) => inner.calls_for(),
         }
     }
@@ -349,6 +381,7 @@ impl Material {
             Self::BlurDisk(m) => m.sharp(),
             Self::Mask(m) => m.sharp(),
             Self::Blend(m) => m.sharp(),
+            Self::Faces(m) => m.sharp(),
             Self::TwoSided(inner) => inner.sharp().map(|inner| Self::TwoSided(Box::new(inner))),
             other => (!other.calls_for().rough).then(|| other.clone()),
         }

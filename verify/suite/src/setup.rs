@@ -97,6 +97,11 @@ pub fn masked(opacity: f32, inner: &Material) -> Arc<Material> {
     valid(Material::new_mask(gray(opacity), inner.clone()))
 }
 
+/// A material for each side.
+pub fn faces([upper, lower]: [&Material; 2]) -> Arc<Material> {
+    valid(Material::new_faces([upper.clone(), lower.clone()]))
+}
+
 /// A mixture of two materials, a share `weight` of the second.
 pub fn blended(weight: f32, [first, second]: [&Material; 2]) -> Arc<Material> {
     valid(Material::new_blend(gray(weight), [first.clone(), second.clone()]))

@@ -116,10 +116,14 @@ fn phong(object: &Object) -> Built {
 }
 
 fn two_sided(object: &Object) -> Built {
-    let inner = object.only_nested("bsdf")?;
-    let inner =
-        inner.ok_or_else(|| object.place().refuse("bsdf twosided without a <bsdf>; one is accepted"))?;
-    Ok(Material::new_two_sided(Material::clone(&*read(object.context, inner)?)))
+    let side = |index| read(object.context, index).map(|material| Material::clone(&material));
+    match object.nested("bsdf")?[..] {
+        [both] => Ok(Material::new_two_sided(side(both)?)),
+        [upper, lower] => Ok(Material::new_faces([side(upper)?, side(lower)?])),
+        _ => {
+            Err(object.place().refuse("bsdf twosided with other than one or two <bsdf>; those are accepted"))
+        }
+    }
 }
 
 fn conductor(object: &Object) -> Built {

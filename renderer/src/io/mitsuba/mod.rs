@@ -6,7 +6,8 @@
 //! - integrators `path`, `direct`, and our `distribution`;
 //! - sensors `perspective`, `thinlens`, `orthographic`; film `hdrfilm`; filters `box`, `tent`, `gaussian`, `mitchell`,
 //!   `catmullrom`, `lanczos`;
-//! - shapes `rectangle`, `disk`, `sphere`, `cylinder`, `cube`, `obj`, `ply`, `serialized`;
+//! - shapes `rectangle`, `disk`, `sphere`, `cylinder`, `cube`, `obj`, `ply`, `serialized`, `shapegroup`,
+//!   `instance`;
 //! - bsdfs `diffuse`, `conductor`, `roughconductor`, `dielectric`, `roughdielectric`, `thindielectric`, `plastic`,
 //!   `roughplastic`, `phong`, `mask`, `blendbsdf`, `twosided`, and our `blurdisc`;
 //! - emitters `area`, `constant`, `envmap`, `point`, `directional`, `spot`; textures `bitmap`, `checkerboard`.
@@ -41,7 +42,7 @@ use object::Object;
 
 use crate::Error;
 use crate::materials::Material;
-use crate::scene::SceneDescription;
+use crate::scene::{ObjectSettings, SceneDescription};
 use crate::texture::Texture;
 
 /// What is known while a document becomes a scene.
@@ -51,6 +52,8 @@ struct Context {
     notes: RefCell<Vec<String>>,
     materials: RefCell<HashMap<usize, Arc<Material>>>,
     textures: RefCell<HashMap<usize, Texture>>,
+    /// Shapes of shapegroups.
+    groups: RefCell<HashMap<usize, Arc<[ObjectSettings]>>>,
     /// Materials that are being read, to find one inside itself.
     building: RefCell<Vec<usize>>,
     /// Area emitters that a shape has.
@@ -97,6 +100,7 @@ pub fn read_scene(
         notes: RefCell::default(),
         materials: RefCell::default(),
         textures: RefCell::default(),
+        groups: RefCell::default(),
         building: RefCell::default(),
         attached: RefCell::default(),
     };
@@ -129,7 +133,8 @@ fn scene(context: &Context) -> Result<SceneDescription, Error> {
         .nested("shape")?
         .into_iter()
         .map(|index| shapes::read(context, index))
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<Vec<_>, _>>()?
+        .concat();
     let lights = emitters::read(context, &root.nested("emitter")?)?;
     root.finish()?;
     let sensors::Sensor { camera, film, sampler } = sensor;

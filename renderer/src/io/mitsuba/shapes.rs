@@ -19,10 +19,66 @@ use crate::texture::Texture;
 
 const PLUGINS: [&str; 8] = ["cube", "cylinder", "disk", "obj", "ply", "rectangle", "serialized", "sphere"];
 
-/// The shape at `index` of the document.
-pub(super) fn read(context: &Context, index: usize) -> Result<ObjectSettings, Error> {
+/// What the shape at `index` of the document puts into the scene: itself, nothing for a group, copies for an instance.
+pub(super) fn read(context: &Context, index: usize) -> Result<Vec<ObjectSettings>, Error> {
     let object = Object::new(context, index)?;
-    let plugin = object.plugin(&PLUGINS)?;
+    match object.plugin(&[&PLUGINS[..], &["shapegroup", "instance"]].concat())? {
+        "shapegroup" => group(context, index).map(|_| Vec::new()),
+        "instance" => instance(object),
+        plugin => Ok(vec![shape(object, plugin)?]),
+    }
+}
+
+/// The shapes of the `shapegroup` at `index`, in the group's space; read once.
+fn group(context: &Context, index: usize) -> Result<Arc<[ObjectSettings]>, Error> {
+    if let Some(known) = context.groups.borrow().get(&index) {
+        return Ok(known.clone());
+    }
+    let object = Object::new(context, index)?;
+    object.plugin(&["shapegroup"])?;
+    let mut shapes = Vec::new();
+    for index in object.nested("shape")? {
+        let part = Object::new(context, index)?;
+        let (place, plugin) = (part.place(), part.plugin(&PLUGINS)?);
+        let read = shape(part, plugin)?;
+        if !read.radiance.is_black() {
+            return Err(place.refuse("an emitter in a shapegroup; shapes without are accepted"));
+        }
+        shapes.push(read);
+    }
+    object.finish()?;
+    let shapes: Arc<[ObjectSettings]> = shapes.into();
+    context.groups.borrow_mut().insert(index, shapes.clone());
+    Ok(shapes)
+}
+
+/// The shapes of a group where the instance puts them. Copies of a mesh share its vertices until they are placed.
+fn instance(object: Object) -> Result<Vec<ObjectSettings>, Error> {
+    let accepted = "one <shape> of type shapegroup is accepted";
+    let Some(index) = object.only_nested("shape")? else {
+        return Err(object.place().refuse(format!("an instance of nothing; {accepted}")));
+    };
+    let to_world = transform::motion(&object, "to_world")?;
+    let placed = |part: &ObjectSettings| {
+        let own = part.to_world.at(0.0);
+        let to_world = match (part.to_world.is_static(), to_world.is_static()) {
+            (_, true) => part.to_world.then(&to_world.at(0.0)).map_err(|reason| object.refuse(&reason))?,
+            (true, false) if own == DAffine3::IDENTITY => to_world.clone(),
+            // Turning keys, interpolated after a map of the shape's own, would leave the instance's path.
+            _ => {
+                let message = "a moving instance of shapes with a to_world of their own; a to_world on one of them is accepted";
+                return Err(object.refuse_value("to_world", message));
+            }
+        };
+        Ok(ObjectSettings { name: format!("{}, {}", object.name(), part.name), to_world, ..part.clone() })
+    };
+    let all = group(object.context, index)?.iter().map(placed).collect::<Result<_, _>>()?;
+    object.finish()?;
+    Ok(all)
+}
+
+/// A shape of one of [`PLUGINS`].
+fn shape(object: Object, plugin: &str) -> Result<ObjectSettings, Error> {
     let to_world = transform::motion(&object, "to_world")?;
     let flip_normals = object.boolean("flip_normals", false)?;
     let shape = match plugin {

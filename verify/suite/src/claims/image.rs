@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use renderer::film::PixelEstimate;
 use renderer::integrator::PathTracer;
-use renderer::io::{Provenance, mitsuba, png, rendering};
+use renderer::io::{mitsuba, png, rendering};
 use renderer::render::{RenderSettings, Rendering, render};
 use renderer::scene::Scene;
 use verify::claim::{Claim, Level, Run, claim};
@@ -142,7 +142,7 @@ fn ours(name: &str, shows: &str, spp: u32, run: &Run) -> Result<Pixels, InputErr
     };
     let integrator = PathTracer { settings: scene.integrator };
     let rendering = render(&scene, &integrator, &settings, &|_| ()).map_err(subject)?;
-    show(name, shows, &rendering, &settings, description.hash)?;
+    show(name, shows, &rendering)?;
     let numbers = |of: fn(&PixelEstimate) -> [f64; 3]| rendering.pixels.iter().flat_map(of).collect();
     Ok(Pixels {
         size: [rendering.width as usize, rendering.height as usize],
@@ -152,14 +152,8 @@ fn ours(name: &str, shows: &str, spp: u32, run: &Run) -> Result<Pixels, InputErr
     })
 }
 
-fn show(
-    name: &str,
-    shows: &str,
-    rendering: &Rendering,
-    settings: &RenderSettings,
-    hash: u64,
-) -> Result<(), InputError> {
-    let image = rendering::image(rendering, Provenance::of(hash, settings, rendering));
+fn show(name: &str, shows: &str, rendering: &Rendering) -> Result<(), InputError> {
+    let image = rendering::image(rendering, None);
     let png = png::encode(Path::new(name), &image, 0.0).map_err(subject)?;
     gallery::keep(Gallery { name: name.into(), caption: shows.into(), png });
     Ok(())

@@ -101,7 +101,7 @@ fn coat(cos: f64) -> f64 {
 }
 
 /// Materials of microfacets other than round GGX, and materials made of layers and others.
-fn others() -> [Subject; 7] {
+fn others() -> [Subject; 8] {
     let [one_sided, ..] = subjects();
     let of = |name, material| Subject { name, bsdf: plain(material), ..one_sided };
     let glass = setup::ground_glass(beckmann(), ETA);
@@ -123,6 +123,11 @@ fn others() -> [Subject; 7] {
             name: "blend",
             bsdf: plain(setup::blended(0.375, [&matt, &glass])),
             eta: ETA.into(),
+            ..through
+        },
+        Subject {
+            name: "faces",
+            bsdf: plain(setup::faces([&matt, &setup::mirror_of(beckmann(), 1.0)])),
             ..through
         },
     ]

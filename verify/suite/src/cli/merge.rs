@@ -5,10 +5,8 @@ use std::time::Instant;
 
 use renderer::film::Part;
 use renderer::io::part::{self, Origin};
-use renderer::io::{self};
-use renderer::render::Rendering;
 
-use super::render::summarise;
+use super::image_file::Kind;
 use super::{CliError, Status};
 
 const EXAMPLES: &str = "Examples:
@@ -33,16 +31,9 @@ pub(super) struct Args {
 /// Runs the command.
 pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     let start = Instant::now();
+    let kind = Kind::of(&args.output)?;
     let (origin, part) = joined(&args.parts)?;
-    let rendering = Rendering::of(&part, origin.reconstruction());
-    let image = || io::rendering::image(&rendering, origin.provenance(&part, &rendering));
-    match args.output.extension().and_then(|ending| ending.to_str()) {
-        Some("exr") => io::exr::write(&args.output, &image())?,
-        Some("png") => io::png::write(&args.output, &image(), 0.0)?,
-        Some("part") => part::write(&args.output, &origin, &part)?,
-        _ => return Err(CliError::Kind { path: args.output.clone(), accepted: ".exr, .png or .part" }),
-    }
-    summarise(&rendering, &args.output, start.elapsed().as_secs_f64())?;
+    kind.write(&args.output, &origin, &part, start.elapsed())?;
     Ok(Status::Good)
 }
 

@@ -9,6 +9,7 @@ mod analytic;
 mod compare;
 mod effects;
 mod error;
+mod image_file;
 mod merge;
 mod output;
 mod page;

@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, Write, stderr};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::PossibleValuesParser;
@@ -11,12 +11,13 @@ use renderer::film::{Part, Reconstruction};
 use renderer::integrator::PathTracer;
 use renderer::io;
 use renderer::io::part::Origin;
-use renderer::render::{self, RenderSettings, Rendering};
+use renderer::render::{self, RenderSettings};
 use renderer::sampling::SamplerKind;
 use renderer::scene::{Branch, Effect, IntegratorSettings, Scene, SceneDescription};
 
 mod checkpoint;
 
+use super::image_file::Kind;
 use super::{CliError, Status};
 use checkpoint::Checkpoint;
 
@@ -60,7 +61,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "EFFECT", value_parser = PossibleValuesParser::new(Effect::ALL.map(|(name, _)| name)))]
     without: Vec<String>,
     /// The mean of signed weights (importance) or the weighted average of the pixel filter
-    #[arg(long, value_parser = ["importance", "weighted"], default_value = "importance")]
+    #[arg(long, value_parser = PossibleValuesParser::new(Reconstruction::ALL.map(Reconstruction::name)), default_value = "importance")]
     reconstruction: String,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -104,7 +105,10 @@ fn range(text: &str) -> Result<Range<u32>, String> {
 pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     let ending = if args.samples.is_some() { "part" } else { "exr" };
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension(ending));
-    let kind = Kind::of(&output, args.samples.is_some())?;
+    let kind = Kind::of(&output)?;
+    if args.samples.is_some() && kind != Kind::Part {
+        return Err(CliError::Kind { path: output, accepted: "with --samples, .part" });
+    }
     let (mut description, notes) = io::mitsuba::read_scene(&args.scene, &args.define)?;
     for note in notes {
         writeln!(stderr(), "note: {note}")?;
@@ -127,37 +131,9 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     };
     let part = render::go_on(&scene, &integrator, &settings, part, &watch)?;
     bar.finish_and_clear();
-    let rendering = Rendering::of(&part, origin.reconstruction());
-    let image = || io::rendering::image(&rendering, origin.provenance(&part, &rendering));
-    match kind {
-        Kind::Exr => io::exr::write(&output, &image())?,
-        Kind::Png => io::png::write(&output, &image(), 0.0)?,
-        Kind::Part => io::part::write(&output, &origin, &part)?,
-    }
+    kind.write(&output, &origin, &part, start.elapsed())?;
     checkpoint.remove()?;
-    summarise(&rendering, &output, start.elapsed().as_secs_f64())?;
     Ok(Status::Good)
-}
-
-/// What is written.
-#[derive(Clone, Copy)]
-enum Kind {
-    Exr,
-    Png,
-    Part,
-}
-
-impl Kind {
-    fn of(output: &Path, only_part: bool) -> Result<Self, CliError> {
-        let refuse = |accepted| Err(CliError::Kind { path: output.into(), accepted });
-        match (output.extension().and_then(|e| e.to_str()), only_part) {
-            (Some("part"), _) => Ok(Self::Part),
-            (_, true) => refuse("with --samples, .part"),
-            (Some("exr"), false) => Ok(Self::Exr),
-            (Some("png"), false) => Ok(Self::Png),
-            _ => refuse(".exr, .png or .part"),
-        }
-    }
 }
 
 fn settings(args: &Args, description: &SceneDescription) -> RenderSettings {
@@ -187,7 +163,7 @@ fn empty_part(
     let film = &description.film;
     let part = Part::new([film.width, film.height], settings.replicates, [range.start, range.end]);
     let needed = part.bytes();
-    match checkpoint::available_memory() {
+    match available_memory() {
         Some(available) if needed > available => Err(CliError::Arguments(format!(
             "a film of {} × {} pixels in {} replicates needs {:.1} GiB, and {:.1} GiB are free",
             film.width,
@@ -198,6 +174,13 @@ fn empty_part(
         ))),
         _ => Ok(part),
     }
+}
+
+/// Free memory in bytes, where the system says it.
+fn available_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.split_whitespace().next()?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
 /// Puts the options in the place of what the scene says.
@@ -216,9 +199,7 @@ fn apply(args: &Args, description: &mut SceneDescription) -> Result<(), CliError
     }
     let branch = args.branch.as_deref().and_then(|name| Branch::ALL.into_iter().find(|(n, _)| *n == name));
     integrator.branch = branch.map_or(integrator.branch, |(_, branch)| branch);
-    if args.reconstruction == "weighted" {
-        description.film.reconstruction = Reconstruction::Weighted;
-    }
+    description.film.reconstruction = Reconstruction::named(&args.reconstruction).unwrap_or_default();
     let left_out = Effect::ALL.into_iter().filter(|(name, _)| args.without.iter().any(|w| w == name));
     for (_, effect) in left_out {
         description.leave_out(effect)?;
@@ -233,22 +214,4 @@ fn progress_bar() -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} of {duration}  {msg}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(1000).with_style(style)
-}
-
-pub(super) fn summarise(rendering: &Rendering, output: &Path, seconds: f64) -> Result<(), CliError> {
-    let (mut sum, mut variance, mut known) = (0.0, 0.0, true);
-    for pixel in &rendering.pixels {
-        sum += pixel.mean.iter().sum::<f64>();
-        known &= pixel.standard_error.is_some();
-        variance += pixel.standard_error.map_or(0.0, |e| e.iter().map(|e| e * e).sum());
-    }
-    let count = 3.0 * rendering.pixels.len() as f64;
-    let error =
-        if known { format!(" ± {:.2e}", f64::sqrt(variance) / count) } else { ", error unknown".into() };
-    let mut err = stderr();
-    writeln!(err, "{}: mean {:.6}{error}, {seconds:.1} s", output.display(), sum / count)?;
-    if rendering.dropped > 0 {
-        writeln!(err, "note: {} contributions were not finite and are left out", rendering.dropped)?;
-    }
-    Ok(())
 }

@@ -271,7 +271,7 @@ const SUM: Routine<2, 1> = Routine {
         for (value, _) in values(*seed, *count) {
             sum.push(0, Rgb::splat(value), 1.0);
         }
-        [sum.estimate(false).mean[0]]
+        [sum.estimate(Reconstruction::Importance).mean[0]]
     },
     naive: ("running sum in single precision", |[seed, count]| {
         let sum: f32 = values(*seed, *count).map(|(value, _)| value).sum();
@@ -308,7 +308,7 @@ const ERROR_OF_MEAN: Routine<2, 1> = Routine {
         for (replicate, value) in (0..).zip(offset_values(*seed, *count)) {
             sum.push(replicate, Rgb::splat(value), 1.0);
         }
-        [sum.estimate(false).standard_error.map_or(f64::NAN, |e| e[0])]
+        [sum.estimate(Reconstruction::Importance).standard_error.map_or(f64::NAN, |e| e[0])]
     },
     naive: ("mean of squares less square of the mean", |[seed, count]| {
         let (sum, squares) =

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use renderer::film::Part;
+use renderer::film::{Part, Reconstruction};
 use renderer::io::part::{self, Origin};
 
 use super::CliError;
@@ -53,7 +53,7 @@ impl Checkpoint {
         if start < *due || part.is_complete() {
             return;
         }
-        if let Some(percent) = pixel_error(part, self.origin.by_weight) {
+        if let Some(percent) = pixel_error(part, self.origin.reconstruction) {
             bar.set_message(format!("± {percent:.2} % a pixel"));
         }
         if let Err(error) = part::write(&self.path, &self.origin, part) {
@@ -74,19 +74,12 @@ impl Checkpoint {
 }
 
 /// Root mean square of the standard errors of the finished pixels, in percent of their mean.
-fn pixel_error(part: &Part, by_weight: bool) -> Option<f64> {
+fn pixel_error(part: &Part, reconstruction: Reconstruction) -> Option<f64> {
     let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-    for pixel in part.estimates(by_weight).iter().filter(|pixel| pixel.samples > 0) {
+    for pixel in part.estimates(reconstruction).iter().filter(|pixel| pixel.samples > 0) {
         sum += pixel.mean.iter().sum::<f64>();
         squares += pixel.standard_error?.iter().map(|e| e * e).sum::<f64>();
         count += 3.0;
     }
     (sum > 0.0).then(|| 100.0 * (squares / count).sqrt() / (sum / count))
-}
-
-/// Free memory in bytes, where the system says it.
-pub(super) fn available_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    line.split_whitespace().next()?.parse::<u64>().ok().map(|kib| kib * 1024)
 }

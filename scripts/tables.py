@@ -1,0 +1,20 @@
+"""Tables that are committed: from which commit they are, and how they are written."""
+
+import json
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def commit():
+    """The last commit."""
+    return subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, check=True, capture_output=True,
+                          text=True).stdout.strip()
+
+
+def write(path, table):
+    """Writes a table beside itself first, so that a run that is cut off leaves the last whole one."""
+    beside = path.with_suffix(".part")
+    beside.write_text(json.dumps(table, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    beside.replace(path)
