@@ -65,6 +65,12 @@ impl BsdfSample {
         Self { wi: -wo, weight, pdf: 1.0, lobe: Lobe::Delta, transmitted: true, eta_rel: 1.0 }
     }
 
+    /// A direction above the surface, drawn with the density `pdf` where the value is `f`; `None` where nothing is drawn.
+    pub(super) fn drawn(wi: Vec3, f: Rgb, pdf: f32) -> Option<Self> {
+        let weight = f * (wi.z / pdf);
+        (pdf > 0.0).then_some(Self { wi, weight, pdf, lobe: Lobe::Spread, transmitted: false, eta_rel: 1.0 })
+    }
+
     /// This sample after a choice that takes it with probability `p` in (0, 1].
     pub(super) fn chosen_with(self, p: f32) -> Self {
         Self { weight: self.weight / p, pdf: self.pdf * p, ..self }

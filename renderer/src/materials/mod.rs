@@ -398,3 +398,13 @@ impl Material {
         }
     }
 }
+
+#[cfg(test)]
+mod testing {
+    use glam::Vec3;
+
+    /// The direction at the angle θ from the normal and φ around it, in radians.
+    pub(super) fn direction([theta, phi]: [f32; 2]) -> Vec3 {
+        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+    }
+}

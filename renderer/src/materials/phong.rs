@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::Vec3;
 
-use super::bsdf::{BsdfSample, Lobe, reflected};
+use super::bsdf::{BsdfSample, reflected};
 use super::conductor::check_range;
 use crate::error::ParamError;
 use crate::math::{Frame, Rgb};
@@ -85,12 +85,7 @@ impl Phong<Rgb> {
         } else {
             warp::square_to_cosine_hemisphere(u)
         };
-        let pdf = self.pdf(wo, wi);
-        if pdf <= 0.0 {
-            return None;
-        }
-        let weight = self.eval(wo, wi) * (wi.z / pdf);
-        Some(BsdfSample { wi, weight, pdf, lobe: Lobe::Spread, transmitted: false, eta_rel: 1.0 })
+        BsdfSample::drawn(wi, self.eval(wo, wi), self.pdf(wo, wi))
     }
 
     /// A direction with density (n + 1)/(2π) cosⁿα about the mirrored direction.

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::bsdf::{BsdfSample, Lobe};
+use super::bsdf::BsdfSample;
 use super::dielectric::check_eta;
 use super::fresnel;
 use crate::error::ParamError;
@@ -128,22 +128,14 @@ impl Plastic<Rgb> {
             return Some(BsdfSample::mirrored(wo, self.specular * coat.reflectance).chosen_with(mirrored));
         }
         let wi = warp::square_to_cosine_hemisphere(u);
-        let pdf = self.pdf(wo, wi);
-        if pdf <= 0.0 {
-            return None;
-        }
-        let weight = self.eval(wo, wi) * (wi.z / pdf);
-        Some(BsdfSample { wi, weight, pdf, lobe: Lobe::Spread, transmitted: false, eta_rel: 1.0 })
+        BsdfSample::drawn(wi, self.eval(wo, wi), self.pdf(wo, wi))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::direction;
     use super::*;
-
-    fn direction([theta, phi]: [f32; 2]) -> Vec3 {
-        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
-    }
 
     /// f cos θᵢ and pdf that Mitsuba 3.9.1 (`scalar_rgb`) returned for its default indices.
     #[test]

@@ -100,11 +100,8 @@ impl RoughConductor<Rgb> {
 #[cfg(test)]
 mod tests {
     use super::super::microfacet::Ggx;
+    use super::super::testing::direction;
     use super::*;
-
-    fn direction([theta, phi]: [f32; 2]) -> Vec3 {
-        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
-    }
 
     /// f cos θᵢ and pdf that Mitsuba 3.9.1 (`scalar_rgb`) returned for gold.
     #[test]

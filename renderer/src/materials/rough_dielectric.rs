@@ -189,11 +189,8 @@ impl RoughDielectric<Rgb> {
 mod tests {
     use super::super::beckmann::Beckmann;
     use super::super::microfacet::Ggx;
+    use super::super::testing::direction;
     use super::*;
-
-    fn direction([theta, phi]: [f32; 2]) -> Vec3 {
-        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
-    }
 
     /// f cos θᵢ and pdf that Mitsuba 3.9.1 (`scalar_rgb`) returned for an index of 1.5.
     #[test]

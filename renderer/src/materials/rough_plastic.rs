@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::Material;
-use super::bsdf::{BsdfSample, Lobe};
+use super::bsdf::BsdfSample;
 use super::dielectric::check_eta;
 use super::facets::Facets;
 use super::fresnel;
@@ -200,12 +200,7 @@ impl RoughPlasticAt<'_> {
         } else {
             warp::square_to_cosine_hemisphere(u)
         };
-        let pdf = self.pdf(wo, wi);
-        if pdf <= 0.0 {
-            return None;
-        }
-        let weight = self.eval(wo, wi) * (wi.z / pdf);
-        Some(BsdfSample { wi, weight, pdf, lobe: Lobe::Spread, transmitted: false, eta_rel: 1.0 })
+        BsdfSample::drawn(wi, self.eval(wo, wi), self.pdf(wo, wi))
     }
 }
 
@@ -213,11 +208,8 @@ impl RoughPlasticAt<'_> {
 mod tests {
     use super::super::beckmann::Beckmann;
     use super::super::microfacet::Ggx;
+    use super::super::testing::direction;
     use super::*;
-
-    fn direction([theta, phi]: [f32; 2]) -> Vec3 {
-        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
-    }
 
     /// f cos θᵢ and pdf that Mitsuba 3.9.1 (`scalar_rgb`) returned for its default indices.
     #[test]
