@@ -13,6 +13,17 @@ use renderer::sampling::{
 /// Points in one measurement.
 const POINTS: u32 = 4096;
 
+/// A loop that has none of the renderer's code: what the other times are compared with from one commit to the next.
+fn calibration(c: &mut Criterion) {
+    let mix = |state: u64| {
+        let bits = state.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31);
+        bits ^ (bits as f64).sqrt().to_bits()
+    };
+    c.bench_function("calibration/loop", |b| {
+        b.iter(|| (0..POINTS).fold(black_box(1), |state, _| mix(state)))
+    });
+}
+
 fn generators(c: &mut Criterion) {
     let mut group = c.benchmark_group("generator");
     group.throughput(Throughput::Elements(u64::from(POINTS)));
@@ -80,5 +91,5 @@ fn film(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, generators, samplers, warps, film);
+criterion_group!(benches, calibration, generators, samplers, warps, film);
 criterion_main!(benches);

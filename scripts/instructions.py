@@ -1,19 +1,25 @@
 #!/usr/bin/env python3
-"""Counts the instructions of renders in which an effect is at its null value, and of the same scene without it.
+"""Count instructions: of effects at their null values, which cost nothing, and of scenes, which cost no more than they did.
 
-Needs valgrind and the release build of the program. For each effect of ARCHITECTURE.md's second idea both scenes are
-rendered by one thread under callgrind; reading the file and building the tree count too. A box filter takes no
-radius in a file, so the filter's null value has no scene here. Status 1 if a pair differs by more than --limit percent or in any bit of the image.
+    cargo build --release && python scripts/instructions.py        # both checks
+    python scripts/instructions.py --update "why it costs more"    # records the scenes' counts anew
 
-    cargo build --release && python3 scripts/instructions.py
+Needs valgrind and the release build of the program; one thread under callgrind, where a count is the same every time.
+For each effect of ARCHITECTURE.md's second idea the scene with the effect at its null value and the scene without it are
+rendered; reading the file and building the tree count too. A box filter takes no radius in a file, so the filter's null
+value has no scene here. Status 1 if a pair differs by more than --limit percent or in any bit of the image, or if a scene
+takes over --growth percent more instructions than references/bench/instructions.json says.
 """
 
 import argparse
+import json
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
+
+from tables import ROOT, write
 
 SCENE = """<scene version="3.0.0">
   <integrator type="{integrator}">{depth}</integrator>
@@ -91,38 +97,76 @@ PAIRS = {
 }
 
 
-def count(program, folder, name, changes):
+# Scenes of references/scenes that stand for the hot paths, at 24 pixels a side.
+HOT = ["cornell", "soft-shadow", "thin-lens", "moving", "glass"]
+
+BASELINE = ROOT / "references" / "bench" / "instructions.json"
+
+
+def count(program, scene, image, *options):
     """Instructions of one render, and the bytes of its image's pixels."""
-    scene, image = folder / f"{name}.xml", folder / f"{name}.png"
-    scene.write_text(SCENE.format(**{**PLAIN, **changes}))
     command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
-    command += [str(program), "render", str(scene), "-o", str(image), "--threads", "1"]
+    command += [str(program), "render", str(scene), "-o", str(image), "--threads", "1", *options]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     found = re.search(r"Collected : (\d+)", run.stderr)
     if run.returncode != 0 or not found or int(found[1]) == 0:
-        sys.exit(f"{name}: {' '.join(command)}\n{run.stderr}")
+        sys.exit(f"{scene}: {' '.join(command)}\n{run.stderr}")
     return int(found[1]), image.read_bytes()
+
+
+def null_effects(program, folder, limit):
+    """How many effects cost something at their null values, or change the image."""
+    bad = 0
+    for effect, pair in PAIRS.items():
+        found = []
+        for side, changes in zip(("null", "never"), pair):
+            scene = folder / f"{effect}-{side}.xml"
+            scene.write_text(SCENE.format(**{**PLAIN, **changes}), encoding="utf-8")
+            found.append(count(program, scene, scene.with_suffix(".png")))
+        (a, image_a), (b, image_b) = found
+        percent = 100.0 * (a - b) / b
+        same = image_a == image_b
+        bad += abs(percent) > limit or not same
+        print(f"{effect:16}  {a:>12}  {b:>12}  {percent:+.3f} %  {'same image' if same else 'ANOTHER IMAGE'}")
+    return bad
+
+
+def hot_counts(program, folder):
+    """Instructions of each scene of HOT."""
+    place = ROOT / "references" / "scenes"
+    small = ("-D", "res=24", "--spp", "16")
+    return {name: count(program, place / f"{name}.xml", folder / f"{name}.png", *small)[0] for name in HOT}
+
+
+def grown(counts, baseline, growth):
+    """The scenes whose count is over `growth` percent above the baseline's; all are printed."""
+    bad = 0
+    for name, instructions in counts.items():
+        percent = 100.0 * (instructions / baseline[name] - 1.0)
+        bad += percent > growth
+        word = "GREW: make it less, or --update with the reason" if percent > growth else ""
+        print(f"{name:16}  {instructions:>12}  {baseline[name]:>12}  {percent:+.3f} %  {word}")
+    return bad
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", type=pathlib.Path, default=pathlib.Path("target/release/lightproof"))
-    parser.add_argument("--limit", type=float, default=0.5, help="largest difference in percent")
-    arguments = parser.parse_args()
-    bad = 0
+    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "target" / "release" / "lightproof")
+    parser.add_argument("--limit", type=float, default=0.5, help="largest cost of a null value in percent (default: 0.5)")
+    parser.add_argument("--growth", type=float, default=2.0, help="largest growth of a scene in percent (default: 2)")
+    parser.add_argument("--update", metavar="REASON", help="record the scenes' counts, and why they changed")
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        for effect, (null, never) in PAIRS.items():
-            sides = [(f"{effect}-null", null), (f"{effect}-never", never)]
-            (a, image_a), (b, image_b) = (
-                count(arguments.program, pathlib.Path(folder), name, changes) for name, changes in sides
-            )
-            percent = 100.0 * (a - b) / b
-            same = image_a == image_b
-            bad += abs(percent) > arguments.limit or not same
-            print(f"{effect:16}  {a:>12}  {b:>12}  {percent:+.3f} %  {'same image' if same else 'ANOTHER IMAGE'}")
-    print(f"{len(PAIRS) - bad} passed, {bad} failed")
-    sys.exit(1 if bad else 0)
+        counts = hot_counts(options.program, pathlib.Path(folder))
+        if options.update:
+            write(BASELINE, {"reason": options.update, "counts": counts})
+            return 0
+        baseline = json.loads(BASELINE.read_text(encoding="utf-8"))["counts"]
+        bad = grown(counts, baseline, options.growth)
+        bad += null_effects(options.program, pathlib.Path(folder), options.limit)
+    print(f"{len(HOT) + len(PAIRS) - bad} passed, {bad} failed")
+    return 1 if bad else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -55,7 +55,7 @@ fn rates(form: &Calibration) -> Markup {
     html! {
         @for rate in &form.rates {
             span.fails[!(rate.low..=rate.high).contains(&rate.rejected) && rate.rejected > 0] { (rate.rejected) }
-            " (" (rate.low) "–" (rate.high) ") "
+            " (" (rate.low) "–" (rate.high) "), "
         }
         "of " (form.nulls) br;
     }
@@ -142,7 +142,7 @@ mod tests {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../references/calibration");
         let all = read(&folder).expect("calibrations");
         assert!(
-            all.len() >= 16 && all.iter().all(|c| c.form == "long" && c.nulls >= 10_000 && c.runs >= 1000)
+            all.len() >= 18 && all.iter().all(|c| c.form == "long" && c.nulls >= 10_000 && c.runs >= 1000)
         );
         for kind in &all {
             assert!(kind.rates.iter().all(|rate| rate.rejected <= rate.high), "{}", kind.kind);
