@@ -26,6 +26,7 @@ const SLACK: f32 = 1.0 + 8.0 * f32::EPSILON;
 impl SurfacePoint {
     /// The ray from this surface along the unit vector `direction`, starting just beyond the error bound on the side
     /// that `direction` points to.
+    #[inline]
     pub fn spawn(&self, direction: Vec3, time: f32) -> Ray {
         Ray::new(self.offset(direction), direction, time)
     }
@@ -37,6 +38,7 @@ impl SurfacePoint {
     ///
     /// # Precision, limits
     /// A direction has f32 components, so the segment passes `target` at up to 2⁻²⁴ of its length to the side.
+    #[inline]
     pub fn spawn_to(&self, target: &Self, time: f32) -> Ray {
         let to = (target.point - self.point).as_dvec3();
         let origin = self.offset(to.as_vec3());
@@ -60,14 +62,21 @@ impl SurfacePoint {
     /// # Source
     /// Pharr, Jakob, Humphreys, Physically Based Rendering 4e, section 6.8.6 (the bound's projection on the normal,
     /// then one step outwards for the addition's own rounding).
+    #[inline]
     pub fn offset(&self, direction: Vec3) -> Vec3 {
         let distance = self.ng.abs().dot(self.error) * SLACK;
         let side = if self.ng.dot(direction) < 0.0 { -1.0 } else { 1.0 };
         let moved = self.ng * (distance * side);
-        let step = |p: f32, m: f32| match m {
-            m if m > 0.0 => (p + m).next_up(),
-            m if m < 0.0 => (p + m).next_down(),
-            _ => p,
+        let step = |p: f32, m: f32| {
+            // All three are made, so that a loop over points can be one of vectors.
+            let (up, down) = ((p + m).next_up(), (p + m).next_down());
+            if m > 0.0 {
+                up
+            } else if m < 0.0 {
+                down
+            } else {
+                p
+            }
         };
         let p = self.point;
         Vec3::new(step(p.x, moved.x), step(p.y, moved.y), step(p.z, moved.z))
@@ -75,6 +84,7 @@ impl SurfacePoint {
 }
 
 /// The segment between two points; its length is rounded down.
+#[inline]
 fn segment(origin: Vec3, end: Vec3, time: f32) -> Ray {
     let to: DVec3 = end.as_dvec3() - origin.as_dvec3();
     let length = to.length();
@@ -83,6 +93,7 @@ fn segment(origin: Vec3, end: Vec3, time: f32) -> Ray {
     Ray { t_max: round_down(length), ..Ray::new(origin, direction, time) }
 }
 
+#[inline]
 #[expect(clippy::cast_possible_truncation, reason = "rounds to nearest, then one step down")]
 fn round_down(t: f64) -> f32 {
     (t as f32).next_down().max(0.0)

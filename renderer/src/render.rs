@@ -5,8 +5,10 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use crate::error::ParamError;
+use crate::film::estimate::values;
 use crate::film::{Part, PixelEstimate, PixelSum, Reconstruction, Tile, TileSums};
-use crate::integrator::{Batch, Integrator};
+use crate::integrator::batch::Sample;
+use crate::integrator::{Batch, Integrator, PathTracer};
 use crate::sampling::{
     Halton, Independent, MultiJitter, Pmj02, SampleId, Sampler, SamplerKind, Sobol, Stratified,
 };
@@ -88,9 +90,9 @@ impl Rendering {
 ///
 /// # Errors
 /// Samples or replicates of 0, or a number of threads that the system refuses.
-pub fn render<I: Integrator>(
+pub fn render(
     scene: &Scene,
-    integrator: &I,
+    integrator: &PathTracer,
     settings: &RenderSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Rendering, ParamError> {
@@ -121,9 +123,9 @@ pub fn render_with<I: Integrator, S: Sampler>(
 ///
 /// # Errors
 /// As [`render`]; and a part of another film, other replicates, or samples beyond the settings'.
-pub fn go_on<I: Integrator>(
+pub fn go_on(
     scene: &Scene,
-    integrator: &I,
+    integrator: &PathTracer,
     settings: &RenderSettings,
     part: Part,
     watch: &(dyn Fn(&Part) + Sync),
@@ -203,20 +205,27 @@ impl<I: Integrator> Finish<'_, I> {
         };
         let mut ids = tile.pixels().flat_map(of_pixel);
         let mut batch = Batch::default();
-        let mut largest = 0.0f64;
+        let mut summed = Vec::new();
+        let mut largest = 0.0f32;
         loop {
             batch.refill(ids.by_ref().take(BATCH));
             if batch.samples.is_empty() {
                 break;
             }
             self.integrator.trace(self.scene, sampler, &mut batch);
-            for sample in &batch.samples {
-                let weighted = sample.radiance * sample.weight;
-                let pixel = &mut sums[tile.place(sample.id.pixel)];
-                pixel.push(sample.id.replicate, weighted, sample.weight);
-                largest = largest.max(f64::from(weighted.mean().abs()));
+            let of_one_sum =
+                |a: &Sample, b: &Sample| (a.id.pixel, a.id.replicate) == (b.id.pixel, b.id.replicate);
+            for run in batch.samples.chunk_by(of_one_sum) {
+                summed.clear();
+                for sample in run {
+                    let weighted = sample.radiance * sample.weight;
+                    summed.push(values(weighted, sample.weight));
+                    largest = largest.max(weighted.mean().abs());
+                }
+                let id = run[0].id;
+                sums[tile.place(id.pixel)].extend(id.replicate, &summed);
             }
         }
-        TileSums::new(&sums, largest, batch.dropped)
+        TileSums::new(&sums, f64::from(largest), batch.dropped)
     }
 }

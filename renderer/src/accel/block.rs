@@ -20,6 +20,8 @@ pub(super) struct Block {
     pub(super) first: u32,
     /// Lanes that are taken, as bits.
     lanes: u32,
+    /// Whether it holds triangles, and not another item.
+    has_triangles: bool,
 }
 
 impl Block {
@@ -44,6 +46,7 @@ impl Block {
             size,
             first,
             lanes: (1 << items.len()) - 1,
+            has_triangles: items.iter().any(Option::is_some),
         }
     }
 
@@ -69,6 +72,8 @@ impl Block {
 
     /// The lanes that the ray may hit, as bits: none that it hits is left out, and few others are in.
     ///
+    /// * `probe`: the ray prepared for triangles, made where it is needed first.
+    ///
     /// It evaluates in f32 the edge functions whose exact signs `ShearedRay::intersect` takes, and leaves a triangle
     /// out where two of them have opposite signs beyond their error. With u = 2⁻²⁴, M the largest magnitude of a
     /// coordinate relative to the origin and D the largest side of the triangle's box: a sheared coordinate |x| ≤ 2M
@@ -77,7 +82,15 @@ impl Block {
     /// all are at most R = 2D + 4uM. An edge function, the difference of two products, then errs by at most
     /// 4δR + 2δ² + 3u(R + δ)² with D ≤ 2M, which is below 128·uM·D + 512·(uM)².
     #[inline]
-    pub(super) fn candidates(&self, probe: &Probe) -> u32 {
+    pub(super) fn candidates(&self, ray: &Ray, probe: &mut Option<Probe>) -> u32 {
+        if !self.has_triangles {
+            return self.lanes;
+        }
+        self.triangles(probe.get_or_insert_with(|| Probe::new(ray)))
+    }
+
+    #[inline]
+    fn triangles(&self, probe: &Probe) -> u32 {
         const UNIT: f32 = f32::EPSILON / 2.0;
         let [i, j, k] = probe.axes;
         let (sx, sy) = (f32x8::splat(probe.shear[0]), f32x8::splat(probe.shear[1]));

@@ -26,6 +26,9 @@ pub(super) const BUILD: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::medium_build()
 };
 
+/// Bytes of a tree that a core's own cache holds, so that no ray waits for memory.
+const CACHED: usize = 1 << 18;
+
 /// Rays walked in turns; measured in benches/README.md.
 const LANES: usize = 12;
 
@@ -235,7 +238,7 @@ impl Group {
 
     /// The nearest hit of each ray.
     pub(super) fn closest(&self, rays: &[Ray], context: &mut Context, hits: &mut [Option<Hit>]) {
-        if are_coherent(rays) {
+        if self.is_cached() || are_coherent(rays) {
             self.walk_each::<Closest>(rays, context, |w| hits[w.index] = w.hit(self));
         } else {
             self.walk_in_turns::<ClosestAhead>(rays, context, |w| hits[w.index] = w.hit(self));
@@ -244,11 +247,15 @@ impl Group {
 
     /// Whether anything is hit.
     pub(super) fn occluded(&self, rays: &[Ray], context: &mut Context, blocked: &mut [bool]) {
-        if are_coherent(rays) {
+        if self.is_cached() || are_coherent(rays) {
             self.walk_each::<Any>(rays, context, |w| blocked[w.index] = w.has_hit());
         } else {
             self.walk_in_turns::<AnyAhead>(rays, context, |w| blocked[w.index] = w.has_hit());
         }
+    }
+
+    fn is_cached(&self) -> bool {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice()) <= CACHED
     }
 
     pub(super) fn hit(&self, index: usize, hit: ShapeHit) -> Hit {

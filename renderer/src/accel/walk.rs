@@ -31,7 +31,8 @@ pub(super) struct Walker {
     /// The ray; hits matter below its `t_max`, and up to the best one's distance.
     ray: Ray,
     slab: Slab,
-    probe: Probe,
+    /// Made at the first leaf of triangles.
+    probe: Option<Probe>,
     /// Made at the first triangle that the probe leaves in doubt.
     sheared: Option<ShearedRay>,
     next: Child,
@@ -75,7 +76,7 @@ impl Walker {
         Self {
             ray: *ray,
             slab: Slab::new(ray),
-            probe: Probe::new(ray),
+            probe: None,
             sheared: None,
             next: group.root,
             bottom,
@@ -156,7 +157,7 @@ impl Walker {
     #[inline]
     fn search_leaf(&mut self, group: &Group, leaf: usize, context: &mut Context) {
         let block = &group.blocks[leaf];
-        let mut lanes = block.candidates(&self.probe);
+        let mut lanes = block.candidates(&self.ray, &mut self.probe);
         while lanes != 0 {
             let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;

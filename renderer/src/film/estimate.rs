@@ -36,6 +36,23 @@ impl TreeSum {
         self.nodes.push((level, sum));
     }
 
+    /// Adds values that follow on those here, whole nodes of eight at once.
+    fn extend(&mut self, mut values: &[[f64; 4]]) {
+        while let Some((&value, rest)) = values.split_first() {
+            match values.split_first_chunk() {
+                Some((&[a, b, c, d, e, f, g, h], rest)) if self.end.is_multiple_of(8) => {
+                    let [left, right] = [add(add(a, b), add(c, d)), add(add(e, f), add(g, h))];
+                    self.append(3, add(left, right));
+                    values = rest;
+                }
+                _ => {
+                    self.append(0, value);
+                    values = rest;
+                }
+            }
+        }
+    }
+
     fn count(&self) -> u64 {
         self.end - self.start
     }
@@ -58,6 +75,11 @@ pub(super) fn levels([start, end]: [u64; 2]) -> Vec<u32> {
 
 fn add(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     std::array::from_fn(|i| a[i] + b[i])
+}
+
+/// What is summed of a sample: its radiance already multiplied by `weight`, and `weight`.
+pub fn values(weighted: Rgb, weight: f32) -> [f64; 4] {
+    [weighted.r, weighted.g, weighted.b, weight].map(f64::from)
 }
 
 /// The samples of one pixel, replicate by replicate.
@@ -92,8 +114,12 @@ impl PixelSum {
 
     /// Adds a sample of `replicate`: its radiance already multiplied by `weight`.
     pub fn push(&mut self, replicate: u32, weighted: Rgb, weight: f32) {
-        let [r, g, b] = weighted.to_array().map(f64::from);
-        self.replicates[replicate as usize].append(0, [r, g, b, f64::from(weight)]);
+        self.extend(replicate, &[values(weighted, weight)]);
+    }
+
+    /// Adds samples of `replicate`, each as [`values`] gives it.
+    pub fn extend(&mut self, replicate: u32, samples: &[[f64; 4]]) {
+        self.replicates[replicate as usize].extend(samples);
     }
 
     /// The pixel's value: each replicate's Σ(w·L) / n, or Σ(w·L) / Σw if weighted, and their mean.
@@ -149,6 +175,14 @@ mod tests {
             (1..=77).map(|i| [1.0 / f64::from(i), 0.1 * f64::from(i), 1e-9, 1.0]).collect();
         let whole = sum_of(&values, 0);
         for cut in 0..=77 {
+            let mut at_once = TreeSum::new(0);
+            at_once.extend(&values[..cut]);
+            at_once.extend(&values[cut..]);
+            assert_eq!(
+                (at_once.total(), at_once.nodes.len()),
+                (whole.total(), whole.nodes.len()),
+                "cut at {cut}"
+            );
             let mut joined = sum_of(&values[..cut], 0);
             let second = sum_of(&values[cut..], cut as u64);
             let found: Vec<u32> = second.nodes.iter().map(|(level, _)| *level).collect();

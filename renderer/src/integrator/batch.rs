@@ -3,7 +3,7 @@
 use crate::interaction::Interaction;
 use crate::math::{Frame, Rgb};
 use crate::ray::{Hit, Ray};
-use crate::sampling::{SampleId, Vertex};
+use crate::sampling::{Place, SampleId, Vertex};
 
 /// One sample of a pixel, on its way from a place on the film to a radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +69,10 @@ pub struct Batch {
     pub samples: Vec<Sample>,
     /// Paths to follow next.
     pub paths: Vec<Path>,
+    /// Room for those after them.
+    pub next: Vec<Path>,
+    /// Numbers for a stage's decisions.
+    pub draws: Draws,
     /// Hits found for them.
     pub hits: Vec<Option<Hit>>,
     /// The hits to shade.
@@ -83,6 +87,52 @@ pub struct Batch {
     pub rays: Vec<Ray>,
     /// Contributions left out because they were not finite.
     pub dropped: u64,
+}
+
+/// Numbers for the decisions of a stage.
+#[derive(Debug, Default)]
+pub struct Draws {
+    /// What they are for.
+    pub places: Vec<Place>,
+    /// Of a decision of one dimension, one for each place.
+    pub choices: Vec<f32>,
+    /// Of a decision of two dimensions, one for each place.
+    pub points: Vec<[f32; 2]>,
+}
+
+impl Draws {
+    /// Asks for each sample before its first bounce.
+    pub fn at_camera(&mut self, samples: &[Sample]) {
+        self.places.clear();
+        self.places.extend(samples.iter().map(|s| Place { sample: s.id, vertex: Vertex::default() }));
+    }
+
+    /// Asks for the path at each of `surfaces`.
+    pub fn at_surfaces<'a>(
+        &mut self,
+        surfaces: impl Iterator<Item = &'a Surface>,
+        paths: &[Path],
+        samples: &[Sample],
+    ) {
+        let place = |surface: &Surface| {
+            let path = &paths[surface.path as usize];
+            Place { sample: samples[path.sample as usize].id, vertex: path.vertex }
+        };
+        self.places.clear();
+        self.places.extend(surfaces.map(place));
+    }
+
+    /// Zeros for a decision that nobody makes.
+    pub fn no_choices(&mut self) {
+        self.choices.clear();
+        self.choices.resize(self.places.len(), 0.0);
+    }
+
+    /// Zeros for a decision that nobody makes.
+    pub fn no_points(&mut self) {
+        self.points.clear();
+        self.points.resize(self.places.len(), [0.0; 2]);
+    }
 }
 
 impl Batch {
@@ -107,11 +157,5 @@ impl Batch {
         } else {
             self.dropped += 1;
         }
-    }
-
-    /// Queues a light point to be connected to.
-    pub fn connect(&mut self, sample: u32, ray: Ray, contribution: Rgb) {
-        self.connections.push(Connection { sample, contribution });
-        self.shadow_rays.push(ray);
     }
 }

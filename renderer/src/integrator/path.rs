@@ -8,7 +8,8 @@ use crate::scene::{Effect, IntegratorSettings, Scene, Strategy};
 ///
 /// The radiance leaving a surface is what it emits and what it reflects: L = Le + ∫ f·L·|cos θ| dω. The integral's
 /// direct part is estimated by points on lights, its indirect part by one further ray, and so on until the longest
-/// path, black, or Russian roulette ends it.
+/// path, black, or Russian roulette ends it. The last ray of the longest path can only find lights; where points on them do
+/// that well by themselves, it is left out.
 ///
 /// # Source
 /// Kajiya 1986, "The rendering equation" (doi:10.1145/15886.15902); Veach 1997, "Robust Monte Carlo methods for
@@ -72,9 +73,13 @@ impl Integrator for PathTracer {
             if settings.max_depth == Some(depth) {
                 break;
             }
+            let last = settings.max_depth.is_some_and(|max| max - depth == 1);
             if lights {
-                stages::light_points(scene, sampler, settings.strategy, batch);
+                stages::light_points(scene, sampler, settings.strategy, last, batch);
                 stages::occlusion(scene, batch);
+            }
+            if last {
+                stages::leave_connected(scene, settings.strategy, batch);
             }
             stages::scatter(scene, sampler, settings.branch, batch);
             if depth >= settings.rr_depth {

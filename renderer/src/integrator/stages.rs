@@ -1,7 +1,8 @@
 //! The stages of a batch, each a loop over slices.
 
-use super::batch::{Batch, Path, Surface};
-use crate::lights::Light;
+use super::batch::{Batch, Connection, Draws, Path, Surface};
+use crate::interaction::Interaction;
+use crate::lights::{Light, LightSample};
 use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe};
 use crate::math::Rgb;
 use crate::ray::Ray;
@@ -26,8 +27,10 @@ pub fn camera<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
 
 /// Where on the film each sample lies, and its filter weight.
 pub fn film_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
-    for sample in &mut batch.samples {
-        let u = sampler.draw_2d(sample.id, Vertex::default(), Decision::Pixel);
+    let Batch { samples, draws, .. } = batch;
+    draws.at_camera(samples);
+    sampler.draw_2d_each(&draws.places, Decision::Pixel, &mut draws.points);
+    for (sample, &u) in samples.iter_mut().zip(&draws.points) {
         (sample.position, sample.weight) = scene.film.place(sample.id.pixel, u);
     }
 }
@@ -41,8 +44,10 @@ pub fn shutter_times<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) 
 
 /// Where on the lens each sample's ray starts.
 pub fn lens_points<S: Sampler>(sampler: &S, batch: &mut Batch) {
-    for sample in &mut batch.samples {
-        let u = sampler.draw_2d(sample.id, Vertex::default(), Decision::Lens);
+    let Batch { samples, draws, .. } = batch;
+    draws.at_camera(samples);
+    sampler.draw_2d_each(&draws.places, Decision::Lens, &mut draws.points);
+    for (sample, &u) in samples.iter_mut().zip(&draws.points) {
         sample.lens = warp::square_to_disk(u).to_array();
     }
 }
@@ -129,40 +134,76 @@ fn found_weight(strategy: Strategy, pdf: Option<f32>, pdf_light: f32) -> f32 {
 }
 
 /// A point on a light for each surface that light can be connected to.
-pub fn light_points<S: Sampler>(scene: &Scene, sampler: &S, strategy: Strategy, batch: &mut Batch) {
-    let choose = scene.lights.needs_choice();
-    for index in 0..batch.surfaces.len() {
-        let Surface { path, interaction, frame, .. } = batch.surfaces[index];
-        let path = batch.paths[path as usize];
-        let material = scene.material(interaction.object);
-        if material.calls_for().delta_only {
-            continue;
-        }
-        let id = batch.samples[path.sample as usize].id;
-        let u_light = if choose { sampler.draw_1d(id, path.vertex, Decision::LightChoice) } else { 0.0 };
-        let (light, pmf) = scene.lights.choose(u_light, interaction.surface.point);
-        let u = match light {
-            Light::Point { .. } | Light::Spot(_) | Light::Directional { .. } => [0.0; 2],
-            Light::Area(_) | Light::Constant { .. } | Light::Environment(_) => {
-                sampler.draw_2d(id, path.vertex, Decision::LightPoint)
-            }
-        };
-        let Some(light) = light.sample(&scene.accel, &interaction, u) else { continue };
-        let bsdf = material.bsdf(interaction.surface.uv);
+///
+/// * `last`: whether the edge that follows would be the last of the longest path.
+pub fn light_points<S: Sampler>(
+    scene: &Scene,
+    sampler: &S,
+    strategy: Strategy,
+    last: bool,
+    batch: &mut Batch,
+) {
+    let Batch { surfaces, paths, samples, draws, connections, shadow_rays, .. } = batch;
+    let is_lit = |surface: &&Surface| !scene.calls_for(surface.interaction.object).delta_only;
+    let lit: Vec<&Surface> = surfaces.iter().filter(is_lit).collect();
+    draws.at_surfaces(lit.iter().copied(), paths, samples);
+    if scene.lights.needs_choice() {
+        sampler.draw_1d_each(&draws.places, Decision::LightChoice, &mut draws.choices);
+    } else {
+        draws.no_choices();
+    }
+    if scene.lights.have_extent() {
+        sampler.draw_2d_each(&draws.places, Decision::LightPoint, &mut draws.points);
+    } else {
+        draws.no_points();
+    }
+    let (pmfs, found) = points_on_lights(scene, &lit, draws);
+    for (surface, (pmf, light)) in lit.iter().zip(pmfs.iter().zip(found)) {
+        let Some(light) = light else { continue };
+        let Surface { path, interaction, frame, .. } = surface;
+        let path = &paths[*path as usize];
+        let bsdf = scene.material(interaction.object).bsdf(interaction.surface.uv);
         let (wo, wi) = (frame.to_local(interaction.wo), frame.to_local(light.wi));
         let f_cos = bsdf.eval_cos(wo, wi);
         if f_cos.is_black() {
             continue;
         }
         let pdf = pmf * light.pdf;
-        let weight = if light.delta || strategy == Strategy::Light {
+        let alone = last && is_connected(scene, strategy, interaction.object);
+        let weight = if light.delta || alone || strategy == Strategy::Light {
             1.0
         } else {
             power_heuristic(pdf, bsdf.pdf(wo, wi))
         };
         let contribution = path.throughput * f_cos * light.radiance * (weight / pdf);
-        batch.connect(path.sample, light.shadow_ray, contribution);
+        connections.push(Connection { sample: path.sample, contribution });
+        shadow_rays.push(light.shadow_ray);
     }
+}
+
+/// For each of `lit` the probability of the light chosen and a point on it.
+fn points_on_lights(scene: &Scene, lit: &[&Surface], draws: &Draws) -> (Vec<f32>, Vec<Option<LightSample>>) {
+    let choose = |(&u, surface): (&f32, &&Surface)| scene.lights.choose(u, surface.interaction.surface.point);
+    let (lights, pmfs): (Vec<&Light>, Vec<f32>) = draws.choices.iter().zip(lit).map(choose).unzip();
+    // Light by light, since a light finds many points faster than as many times one.
+    let mut order: Vec<usize> = (0..lit.len()).collect();
+    if scene.lights.needs_choice() {
+        order.sort_unstable_by_key(|&k| std::ptr::from_ref(lights[k]));
+    }
+    let from: Vec<&Interaction> = order.iter().map(|&k| &lit[k].interaction).collect();
+    let points: Vec<[f32; 2]> = order.iter().map(|&k| draws.points[k]).collect();
+    let (mut found, mut start) = (Vec::with_capacity(lit.len()), 0);
+    for run in order.chunk_by(|&a, &b| std::ptr::eq(lights[a], lights[b])) {
+        let range = start..start + run.len();
+        lights[run[0]].sample_each(&scene.accel, &from[range.clone()], &points[range], &mut found);
+        start += run.len();
+    }
+    if scene.lights.needs_choice() {
+        let mut in_place = vec![None; lit.len()];
+        order.iter().zip(found).for_each(|(&k, sample)| in_place[k] = sample);
+        found = in_place;
+    }
+    (pmfs, found)
 }
 
 /// Adds the light points that nothing hides.
@@ -178,16 +219,37 @@ pub fn occlusion(scene: &Scene, batch: &mut Batch) {
     batch.shadow_rays.clear();
 }
 
+/// Whether points on lights are all that is needed for the last edge from the object of that index.
+fn is_connected(scene: &Scene, strategy: Strategy, object: u32) -> bool {
+    strategy == Strategy::Both && scene.lights.are_even() && scene.is_matte(object)
+}
+
+/// Leaves out the surfaces from which no last ray is needed.
+pub fn leave_connected(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
+    batch.surfaces.retain(|surface| !is_connected(scene, strategy, surface.interaction.object));
+}
+
 /// One further ray for each surface, or two where both branches of a dielectric are followed.
 pub fn scatter<S: Sampler>(scene: &Scene, sampler: &S, branch: Branch, batch: &mut Batch) {
-    let Batch { surfaces, paths, samples, .. } = batch;
-    let mut next = Vec::with_capacity(surfaces.len());
-    for surface in surfaces.iter() {
-        let path = &paths[surface.path as usize];
-        let bounce = Bounce { scene, sampler, surface, path, id: samples[path.sample as usize].id };
-        bounce.follow(branch, &mut next);
+    let Batch { surfaces, paths, next, samples, draws, .. } = batch;
+    draws.at_surfaces(surfaces.iter(), paths, samples);
+    if scene.decides(Decision::Lobe) {
+        sampler.draw_1d_each(&draws.places, Decision::Lobe, &mut draws.choices);
+    } else {
+        draws.no_choices();
     }
-    *paths = next;
+    if scene.decides(Decision::Direction) {
+        sampler.draw_2d_each(&draws.places, Decision::Direction, &mut draws.points);
+    } else {
+        draws.no_points();
+    }
+    next.clear();
+    for (surface, (&u_lobe, &u)) in surfaces.iter().zip(draws.choices.iter().zip(&draws.points)) {
+        let path = &paths[surface.path as usize];
+        let id = samples[path.sample as usize].id;
+        Bounce { scene, sampler, surface, path, id, u_lobe, u }.follow(branch, next);
+    }
+    std::mem::swap(paths, next);
 }
 
 /// A path at a surface.
@@ -197,30 +259,29 @@ struct Bounce<'a, S> {
     surface: &'a Surface,
     path: &'a Path,
     id: SampleId,
+    /// The numbers of the path's own branch for the choice of a lobe and a direction in it.
+    u_lobe: f32,
+    u: [f32; 2],
 }
 
 impl<S: Sampler> Bounce<'_, S> {
     fn follow(&self, branch: Branch, next: &mut Vec<Path>) {
         let interaction = &self.surface.interaction;
         let material = self.scene.material(interaction.object);
-        let calls = material.calls_for();
         let bsdf = material.bsdf(interaction.surface.uv);
         let wo = self.surface.frame.to_local(interaction.wo);
         let vertex = self.path.vertex;
         // branches of one path share nothing: each draws at its own vertex
         let direction = |branch: u32| {
-            let vertex = Vertex { branch, ..vertex };
-            if calls.direction {
-                self.sampler.draw_2d(self.id, vertex, Decision::Direction)
+            if branch == vertex.branch || !self.scene.calls_for(interaction.object).direction {
+                self.u
             } else {
-                [0.0; 2]
+                self.sampler.draw_2d(self.id, Vertex { branch, ..vertex }, Decision::Direction)
             }
         };
-        let lobe = || if calls.lobe { self.sampler.draw_1d(self.id, vertex, Decision::Lobe) } else { 0.0 };
         if !bsdf.forks() || branch == Branch::Fresnel {
             next.extend(
-                bsdf.sample(wo, lobe(), direction(vertex.branch))
-                    .and_then(|s| self.path_along(&s, vertex.branch, 1.0)),
+                bsdf.sample(wo, self.u_lobe, self.u).and_then(|s| self.path_along(&s, vertex.branch, 1.0)),
             );
             return;
         }
@@ -234,11 +295,11 @@ impl<S: Sampler> Bounce<'_, S> {
                 }
             }
             Branch::Half => {
-                let which = if lobe() < 0.5 { MaterialBranch::Reflect } else { MaterialBranch::Refract };
+                let which = if self.u_lobe < 0.5 { MaterialBranch::Reflect } else { MaterialBranch::Refract };
                 next.extend(self.branch(&bsdf, which, direction(vertex.branch), vertex.branch, 2.0));
             }
             Branch::Both | Branch::Fresnel => {
-                let (which, share) = if lobe() < reflected {
+                let (which, share) = if self.u_lobe < reflected {
                     (MaterialBranch::Reflect, reflected)
                 } else {
                     (MaterialBranch::Refract, 1.0 - reflected)

@@ -4,10 +4,11 @@ use glam::Vec3;
 
 use super::LightSample;
 use crate::accel::{Accel, Object};
-use crate::interaction::Interaction;
+use crate::interaction::{Interaction, SurfacePoint};
 use crate::math::Rgb;
+use crate::math::float::round_f32;
 use crate::ray::{Hit, Ray};
-use crate::shapes::Shape;
+use crate::shapes::{Rectangle, Shape};
 
 /// How points on a shape that emits are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -40,6 +41,8 @@ pub struct AreaLight {
     pub object: u32,
     /// Radiance [W m⁻² sr⁻¹].
     pub radiance: Rgb,
+    /// Whether its points are uniform in the solid angle wherever it is near.
+    even: bool,
     middle: Vec3,
     /// Squared distance from the middle up to which points are taken by solid angle.
     near: f32,
@@ -55,7 +58,16 @@ impl AreaLight {
             (LightSampling::SolidAngle, _) | (LightSampling::Auto, Shape::Sphere(_)) => f32::INFINITY,
             (LightSampling::Auto, _) => half.as_vec3().length_squared() * NEAR * NEAR,
         };
-        Self { object, radiance, middle: middle.as_vec3(), near }
+        let middle = middle.as_vec3();
+        let outside = middle + shape.shape.sample_area([0.5; 2]).ng * (2.0 * half.as_vec3().length());
+        let is_single = shape.shape.element_count() == 1;
+        let even = near > 0.0 && is_single && shape.sample_solid_angle(outside, [0.5; 2]).is_some();
+        Self { object, radiance, even, middle, near }
+    }
+
+    /// Whether its points are uniform in the solid angle wherever it is near.
+    pub fn is_even(&self) -> bool {
+        self.even
     }
 
     /// Whether points are taken by solid angle where `from` sees them.
@@ -80,22 +92,87 @@ impl AreaLight {
         let object = &accel.objects()[self.object as usize];
         let eye = from.surface.point;
         let by_angle = if self.is_near(eye) { object.sample_solid_angle(eye, u) } else { None };
-        let (target, known) = match by_angle {
-            Some((target, pdf)) => (target, Ok(pdf)),
+        let (is_seen, sample) = match by_angle {
+            Some((target, pdf)) => {
+                let (is_seen, sample) = self.at(&target, 0.0, &from.surface, from.time);
+                (is_seen, LightSample { pdf, ..sample })
+            }
             None => {
                 let (target, pdf_area) = object.sample_area(u, from.time);
-                (target, Err(pdf_area))
+                self.at(&target, pdf_area, &from.surface, from.time)
             }
         };
-        let d = target.point - eye;
-        let wi = d.try_normalize()?;
-        let cos = -wi.dot(target.ng);
-        if cos <= 0.0 {
-            return None;
+        is_seen.then_some(sample)
+    }
+
+    /// What [`Self::sample`] gives for each of `from` and its point of `u`, appended to `out`.
+    pub fn sample_each(
+        &self,
+        accel: &Accel,
+        from: &[&Interaction],
+        u: &[[f32; 2]],
+        out: &mut Vec<Option<LightSample>>,
+    ) {
+        let object = &accel.objects()[self.object as usize];
+        match &object.shape {
+            Shape::Rectangle(rectangle) if object.motion.is_none() && from.len() >= 8 => {
+                let first = out.len();
+                self.sample_rectangle(rectangle, from, u, out);
+                for (out, (from, u)) in out[first..].iter_mut().zip(from.iter().zip(u)) {
+                    if self.is_near(from.surface.point) {
+                        *out = self.sample(accel, from, *u);
+                    }
+                }
+            }
+            _ => out.extend(from.iter().zip(u).map(|(from, u)| self.sample(accel, from, *u))),
         }
-        let pdf = known.unwrap_or_else(|pdf_area| per_steradian(pdf_area, d.length_squared(), cos));
-        let shadow_ray = from.spawn_to(&target);
-        Some(LightSample { wi, shadow_ray, radiance: self.radiance, pdf, delta: false })
+    }
+
+    /// By area, many at once: the loop over lanes becomes one of vectors.
+    fn sample_rectangle(
+        &self,
+        rectangle: &Rectangle,
+        from: &[&Interaction],
+        u: &[[f32; 2]],
+        out: &mut Vec<Option<LightSample>>,
+    ) {
+        let pdf_area = round_f32(1.0 / rectangle.area());
+        let mut lanes = Lanes::EMPTY;
+        for (from, u) in from.chunks(LANES).zip(u.chunks(LANES)) {
+            lanes.fill(from, u);
+            // Whole vectors, whatever lies beyond the end.
+            for lane in 0..from.len().next_multiple_of(8).min(LANES) {
+                let target = rectangle.sample_area([lanes.u[0][lane], lanes.u[1][lane]]);
+                let (is_seen, sample) = self.at(&target, pdf_area, &lanes.surface(lane), 0.0);
+                lanes.set(lane, is_seen, &sample);
+            }
+            out.extend(from.iter().enumerate().map(|(lane, from)| {
+                let (wi, pdf, ray) = lanes.sample(lane);
+                let shadow_ray = Ray { time: from.time, ..ray };
+                let sample = LightSample { wi, shadow_ray, radiance: self.radiance, pdf, delta: false };
+                lanes.is_seen[lane].then_some(sample)
+            }));
+        }
+    }
+
+    /// The sample at `target`, taken by area, as seen from `from` at `time`; and whether the light sends anything this way.
+    #[inline]
+    fn at(
+        &self,
+        target: &SurfacePoint,
+        pdf_area: f32,
+        from: &SurfacePoint,
+        time: f32,
+    ) -> (bool, LightSample) {
+        let d = target.point - from.point;
+        let inverse = d.length_recip();
+        let wi = d * inverse;
+        let cos = -wi.dot(target.ng);
+        let pdf = per_steradian(pdf_area, d.length_squared(), cos);
+        let shadow_ray = from.spawn_to(target, time);
+        // `inverse` is infinite where the points coincide; no branch, so that a loop can be one of vectors.
+        let is_seen = (inverse < f32::INFINITY) & (cos > 0.0);
+        (is_seen, LightSample { wi, shadow_ray, radiance: self.radiance, pdf, delta: false })
     }
 
     /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light from the
@@ -112,7 +189,127 @@ impl AreaLight {
     }
 }
 
+/// Surfaces whose light points are found at once.
+const LANES: usize = 64;
+
+/// Three coordinates of each lane.
+#[derive(Debug, Clone, Copy)]
+struct Vectors([[f32; LANES]; 3]);
+
+impl Vectors {
+    const ZERO: Self = Self([[0.0; LANES]; 3]);
+
+    #[inline]
+    fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
+    }
+
+    #[inline]
+    fn set(&mut self, lane: usize, v: Vec3) {
+        for (axis, value) in self.0.iter_mut().zip(v.to_array()) {
+            axis[lane] = value;
+        }
+    }
+}
+
+/// Surfaces and the samples that they see, number by number.
+struct Lanes {
+    point: Vectors,
+    error: Vectors,
+    ng: Vectors,
+    u: [[f32; LANES]; 2],
+    wi: Vectors,
+    origin: Vectors,
+    direction: Vectors,
+    t_max: [f32; LANES],
+    pdf: [f32; LANES],
+    is_seen: [bool; LANES],
+}
+
+impl Lanes {
+    const EMPTY: Self = Self {
+        point: Vectors::ZERO,
+        error: Vectors::ZERO,
+        ng: Vectors::ZERO,
+        u: [[0.0; LANES]; 2],
+        wi: Vectors::ZERO,
+        origin: Vectors::ZERO,
+        direction: Vectors::ZERO,
+        t_max: [0.0; LANES],
+        pdf: [0.0; LANES],
+        is_seen: [false; LANES],
+    };
+
+    /// Puts in surfaces, with the numbers for their points, from the first lane on.
+    fn fill(&mut self, from: &[&Interaction], u: &[[f32; 2]]) {
+        for (lane, (from, u)) in from.iter().zip(u).enumerate() {
+            self.point.set(lane, from.surface.point);
+            self.error.set(lane, from.surface.error);
+            self.ng.set(lane, from.surface.ng);
+            [self.u[0][lane], self.u[1][lane]] = *u;
+        }
+    }
+
+    /// What matters of a surface.
+    #[inline]
+    fn surface(&self, lane: usize) -> SurfacePoint {
+        let ng = self.ng.get(lane);
+        let (point, error) = (self.point.get(lane), self.error.get(lane));
+        SurfacePoint { point, error, ng, n: ng, uv: [0.0; 2] }
+    }
+
+    #[inline]
+    fn set(&mut self, lane: usize, is_seen: bool, sample: &LightSample) {
+        self.wi.set(lane, sample.wi);
+        self.origin.set(lane, sample.shadow_ray.origin);
+        self.direction.set(lane, sample.shadow_ray.direction);
+        self.t_max[lane] = sample.shadow_ray.t_max;
+        self.pdf[lane] = sample.pdf;
+        self.is_seen[lane] = is_seen;
+    }
+
+    /// Direction, density and shadow ray; its time is left at 0.
+    fn sample(&self, lane: usize) -> (Vec3, f32, Ray) {
+        let ray = Ray::new(self.origin.get(lane), self.direction.get(lane), 0.0);
+        (self.wi.get(lane), self.pdf[lane], Ray { t_max: self.t_max[lane], ..ray })
+    }
+}
+
 /// A density per m² at squared distance `d2`, seen under the cosine `cos`, as one per steradian: p·d² / cos.
+#[inline]
 fn per_steradian(pdf_area: f32, d2: f32, cos: f32) -> f32 {
     pdf_area * d2 / cos
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::ShapeSettings;
+    use glam::{DAffine3, DVec3};
+
+    #[test]
+    fn samples_taken_together_are_those_taken_one_by_one() {
+        let to_frame = DAffine3::from_translation(DVec3::new(0.3, 0.1, 2.0)) * DAffine3::from_rotation_x(2.8);
+        let shape = Shape::new(&ShapeSettings::Rectangle, &to_frame, false).unwrap();
+        let accel = Accel::new(vec![Object::still(shape)], [0.0; 2]);
+        let light = AreaLight::new(0, &accel.objects()[0], Rgb::WHITE, LightSampling::Auto);
+        // Near and far, before and behind the light, and on it.
+        let place = |i: f32| Vec3::new((0.7 * i).sin() * 5.0, (0.3 * i).cos(), 2.0 - (0.11 * i).cos() * 9.0);
+        let at = |i: f32| {
+            let (point, ng) = (place(i), place(3.0 * i).normalize());
+            let surface = SurfacePoint { point, error: point.abs() * 1e-7, ng, n: ng, uv: [0.0; 2] };
+            Interaction { surface, wo: ng, time: 0.25, object: 0 }
+        };
+        let mut from: Vec<Interaction> = (0..150_u8).map(|i| at(f32::from(i))).collect();
+        from[7].surface.point = accel.objects()[0].sample_area([0.5; 2], 0.0).0.point;
+        let u: Vec<[f32; 2]> = (0..150_u8).map(|i| [f32::from(i) / 150.0, 0.5]).collect();
+        for count in [0, 3, 8, 61, 64, 65, 150] {
+            let (from, mut found) = (from.iter().take(count).collect::<Vec<_>>(), Vec::new());
+            light.sample_each(&accel, &from, &u[..count], &mut found);
+            let single: Vec<_> =
+                from.iter().zip(&u).map(|(from, u)| light.sample(&accel, from, *u)).collect();
+            assert!(found == single, "{count}");
+            assert!(count < 8 || found.iter().any(Option::is_some) && found.iter().any(Option::is_none));
+        }
+    }
 }

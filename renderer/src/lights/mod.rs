@@ -53,7 +53,7 @@ pub enum Light {
 }
 
 /// A point on a light, seen from a surface.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightSample {
     /// Unit direction towards it.
     pub wi: Vec3,
@@ -119,6 +119,28 @@ impl Light {
                 pdf: 1.0,
                 delta: true,
             }),
+        }
+    }
+
+    /// What [`Self::sample`] gives for each of `from` and its point of `u`, appended to `out`.
+    pub fn sample_each(
+        &self,
+        accel: &Accel,
+        from: &[&Interaction],
+        u: &[[f32; 2]],
+        out: &mut Vec<Option<LightSample>>,
+    ) {
+        match self {
+            Self::Area(light) => light.sample_each(accel, from, u, out),
+            _ => out.extend(from.iter().zip(u).map(|(from, u)| self.sample(accel, from, *u))),
+        }
+    }
+
+    /// Whether [`Self::sample`] looks at its numbers.
+    pub fn has_extent(&self) -> bool {
+        match self {
+            Self::Area(_) | Self::Constant { .. } | Self::Environment(_) => true,
+            Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => false,
         }
     }
 

@@ -48,6 +48,17 @@ impl Lights {
         self.lights.len() > 1
     }
 
+    /// Whether a point on any of them is to be decided.
+    pub fn have_extent(&self) -> bool {
+        self.lights.iter().any(Light::has_extent)
+    }
+
+    /// Whether points on the lights alone give an estimate of direct light on a diffuse surface that varies little for what is
+    /// seen: there is one, and its points are even in the solid angle where it is near.
+    pub fn are_even(&self) -> bool {
+        matches!(self.lights.as_slice(), [Light::Area(light)] if light.is_even())
+    }
+
     /// Every light.
     pub fn as_slice(&self) -> &[Light] {
         &self.lights

@@ -370,6 +370,15 @@ impl Material {
         }
     }
 
+    /// Whether it is diffuse, from one side or equally from both.
+    pub fn is_matte(&self) -> bool {
+        match self {
+            Self::Diffuse(_) => true,
+            Self::TwoSided(inner) => inner.is_matte(),
+            _ => false,
+        }
+    }
+
     /// The material with each rough lobe at its null value, alpha or blur 0.
     ///
     /// Returns: `None` for models without such a value.

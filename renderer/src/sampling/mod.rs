@@ -79,6 +79,23 @@ pub struct SampleId {
     pub index: u32,
 }
 
+/// Where along which sample's path a number is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// The sample.
+    pub sample: SampleId,
+    /// The place along its path.
+    pub vertex: Vertex,
+}
+
+impl Place {
+    /// Whether two places differ in the index of the sample at most, so that they have points of one set.
+    fn shares_set(&self, other: &Self) -> bool {
+        let (a, b) = (self.sample, other.sample);
+        (a.pixel, a.replicate, self.vertex) == (b.pixel, b.replicate, other.vertex)
+    }
+}
+
 /// A source of numbers for every random choice of a renderer.
 ///
 /// A number is a pure function of seed, sample, vertex and decision. There is no state: asking twice gives the
@@ -89,4 +106,16 @@ pub trait Sampler: Send + Sync {
 
     /// The point in [0, 1)² for a decision of two dimensions.
     fn draw_2d(&self, sample: SampleId, vertex: Vertex, decision: Decision) -> [f32; 2];
+
+    /// The numbers that [`Self::draw_1d`] gives at each of `places`, written over `out`.
+    fn draw_1d_each(&self, places: &[Place], decision: Decision, out: &mut Vec<f32>) {
+        out.clear();
+        out.extend(places.iter().map(|place| self.draw_1d(place.sample, place.vertex, decision)));
+    }
+
+    /// The points that [`Self::draw_2d`] gives at each of `places`, written over `out`.
+    fn draw_2d_each(&self, places: &[Place], decision: Decision, out: &mut Vec<[f32; 2]>) {
+        out.clear();
+        out.extend(places.iter().map(|place| self.draw_2d(place.sample, place.vertex, decision)));
+    }
 }

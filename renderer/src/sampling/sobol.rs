@@ -3,7 +3,7 @@
 use super::hash::Key;
 use super::owen::scramble_reversed;
 use super::sobol_matrix::{Dimension, second_dimension_reversed};
-use super::{Decision, DecisionSet, SampleId, Sampler, Vertex};
+use super::{Decision, DecisionSet, Place, SampleId, Sampler, Vertex};
 use crate::math::float::unit_f32;
 
 /// What the two numbers and the order of a set are scrambled by: counters of its key.
@@ -50,10 +50,46 @@ impl Sobol {
         Self { key: Key::of_seed(seed, 3), joint, ranks }
     }
 
-    /// Where the decision's dimensions start in the joint set; `None` for a padded one.
+    /// The set of a pixel's replicate that a decision takes its numbers from.
     #[inline]
-    fn joint_rank(&self, vertex: Vertex, decision: Decision) -> Option<usize> {
-        if vertex == Vertex::default() { self.ranks[decision as usize].map(usize::from) } else { None }
+    fn set(&self, sample: SampleId, vertex: Vertex, decision: Decision) -> Set<'_> {
+        let key = self.key.sample_set(sample).decision(vertex, decision);
+        let rank = if vertex == Vertex::default() { self.ranks[decision as usize] } else { None };
+        let joint = rank.map(|rank| &self.joint[usize::from(rank)..]);
+        Set { joint, shuffle: key.bits(SHUFFLE), scrambles: [key.bits(SCRAMBLE[0]), key.bits(SCRAMBLE[1])] }
+    }
+}
+
+/// One or two dimensions with their scrambling.
+#[derive(Debug, Clone, Copy)]
+struct Set<'a> {
+    /// The dimensions of the joint set from the decision's first on; `None` for a padded set.
+    joint: Option<&'a [Dimension]>,
+    /// Of a padded set's order, and of the numbers.
+    shuffle: u64,
+    scrambles: [u64; 2],
+}
+
+impl Set<'_> {
+    /// The first dimension's digits of the point `index`, in reverse.
+    #[inline]
+    fn first_digits(&self, index: u32) -> u32 {
+        match self.joint {
+            Some(joint) => joint[0].digits_reversed(index),
+            None => shuffled(index, self.shuffle),
+        }
+    }
+
+    /// Both dimensions' digits of the point `index`, in reverse.
+    #[inline]
+    fn digits(&self, index: u32) -> [u32; 2] {
+        match self.joint {
+            Some(joint) => [joint[0].digits_reversed(index), joint[1].digits_reversed(index)],
+            None => {
+                let index = shuffled(index, self.shuffle);
+                [index, second_dimension_reversed(index)]
+            }
+        }
     }
 }
 
@@ -61,8 +97,8 @@ impl Sobol {
 ///
 /// The order is a nested scrambling of the index, so that 2ᵐ aligned samples remain 2ᵐ aligned points.
 #[inline]
-fn shuffled(index: u32, key: Key) -> u32 {
-    scramble_reversed(index.reverse_bits(), key.bits(SHUFFLE)).reverse_bits()
+fn shuffled(index: u32, seed: u64) -> u32 {
+    scramble_reversed(index.reverse_bits(), seed).reverse_bits()
 }
 
 /// The number in [0, 1) of scrambled digits.
@@ -71,30 +107,65 @@ fn finished(digits_reversed: u32, seed: u64) -> f32 {
     unit_f32(scramble_reversed(digits_reversed, seed).reverse_bits())
 }
 
+/// Points of one set that are made together: a loop over so many becomes one of vectors.
+const TOGETHER: usize = 64;
+
+/// The numbers of the first `count` digits, and of a few more, so that whole vectors are made.
+#[inline]
+fn finished_each(digits: &[u32; TOGETHER], count: usize, seed: u64) -> [f32; TOGETHER] {
+    let mut numbers = [0.0; TOGETHER];
+    let end = count.next_multiple_of(8);
+    for (number, digits) in numbers[..end].iter_mut().zip(&digits[..end]) {
+        *number = finished(*digits, seed);
+    }
+    numbers
+}
+
 impl Sampler for Sobol {
     #[inline]
     fn draw_1d(&self, sample: SampleId, vertex: Vertex, decision: Decision) -> f32 {
         debug_assert_eq!(decision.dimensions(), 1, "{decision:?}");
-        let key = self.key.sample_set(sample).decision(vertex, decision);
-        let digits = match self.joint_rank(vertex, decision) {
-            Some(rank) => self.joint[rank].digits_reversed(sample.index),
-            None => shuffled(sample.index, key),
-        };
-        finished(digits, key.bits(SCRAMBLE[0]))
+        let set = self.set(sample, vertex, decision);
+        finished(set.first_digits(sample.index), set.scrambles[0])
     }
 
     #[inline]
     fn draw_2d(&self, sample: SampleId, vertex: Vertex, decision: Decision) -> [f32; 2] {
         debug_assert_eq!(decision.dimensions(), 2, "{decision:?}");
-        let key = self.key.sample_set(sample).decision(vertex, decision);
-        let digits = match self.joint_rank(vertex, decision) {
-            Some(rank) => [0, 1].map(|k| self.joint[rank + k].digits_reversed(sample.index)),
-            None => {
-                let index = shuffled(sample.index, key);
-                [index, second_dimension_reversed(index)]
+        let set = self.set(sample, vertex, decision);
+        let [x, y] = set.digits(sample.index);
+        [finished(x, set.scrambles[0]), finished(y, set.scrambles[1])]
+    }
+
+    fn draw_1d_each(&self, places: &[Place], decision: Decision, out: &mut Vec<f32>) {
+        debug_assert_eq!(decision.dimensions(), 1, "{decision:?}");
+        out.clear();
+        for run in places.chunk_by(Place::shares_set) {
+            let set = self.set(run[0].sample, run[0].vertex, decision);
+            for part in run.chunks(TOGETHER) {
+                let mut digits = [0; TOGETHER];
+                for (digits, place) in digits.iter_mut().zip(part) {
+                    *digits = set.first_digits(place.sample.index);
+                }
+                out.extend(&finished_each(&digits, part.len(), set.scrambles[0])[..part.len()]);
             }
-        };
-        [finished(digits[0], key.bits(SCRAMBLE[0])), finished(digits[1], key.bits(SCRAMBLE[1]))]
+        }
+    }
+
+    fn draw_2d_each(&self, places: &[Place], decision: Decision, out: &mut Vec<[f32; 2]>) {
+        debug_assert_eq!(decision.dimensions(), 2, "{decision:?}");
+        out.clear();
+        for run in places.chunk_by(Place::shares_set) {
+            let set = self.set(run[0].sample, run[0].vertex, decision);
+            for part in run.chunks(TOGETHER) {
+                let mut digits = [[0; TOGETHER]; 2];
+                for (k, place) in part.iter().enumerate() {
+                    [digits[0][k], digits[1][k]] = set.digits(place.sample.index);
+                }
+                let [x, y] = [0, 1].map(|axis| finished_each(&digits[axis], part.len(), set.scrambles[axis]));
+                out.extend((0..part.len()).map(|k| [x[k], y[k]]));
+            }
+        }
     }
 }
 
@@ -181,6 +252,28 @@ mod tests {
         let lens: Vec<_> =
             (0..64).map(|i| sampler.draw_2d(sample(i), Vertex::default(), Decision::Lens)).collect();
         assert_eq!(balance(&lens), 0);
+    }
+
+    #[test]
+    fn numbers_drawn_together_are_those_drawn_one_by_one() {
+        let sampler = Sobol::new(3, DecisionSet::EMPTY.with(Decision::Pixel).with(Decision::Lobe));
+        let vertex = |n: u32| Vertex { bounce: (n / 100 % 2) as u16, ..Vertex::default() };
+        // Runs of several lengths, the last of them beyond 2¹⁶.
+        let index = |n: u32| if n > 250 { n << 12 } else { 3 * n };
+        let places: Vec<Place> =
+            (0..300).map(|n| Place { sample: sample(index(n)), vertex: vertex(n) }).collect();
+        for decision in [Decision::Pixel, Decision::LightPoint] {
+            let mut points = vec![[2.0; 2]];
+            sampler.draw_2d_each(&places, decision, &mut points);
+            let single = places.iter().map(|p| sampler.draw_2d(p.sample, p.vertex, decision));
+            assert!(points.into_iter().eq(single), "{decision:?}");
+        }
+        for decision in [Decision::Lobe, Decision::Time] {
+            let mut numbers = vec![2.0];
+            sampler.draw_1d_each(&places, decision, &mut numbers);
+            let single = places.iter().map(|p| sampler.draw_1d(p.sample, p.vertex, decision));
+            assert!(numbers.into_iter().eq(single), "{decision:?}");
+        }
     }
 
     #[test]

@@ -10,10 +10,11 @@ use crate::error::{Error, ParamError};
 use crate::film::Film;
 use crate::interaction::Interaction;
 use crate::lights::{AreaLight, Environment, Light, Lights, Spot};
-use crate::materials::Material;
+use crate::materials::{Calls, Material};
 use crate::math::float::round_f32;
 use crate::math::{Frame, Rgb};
 use crate::ray::{Hit, Ray};
+use crate::sampling::Decision;
 use crate::shapes::{Shape, ShapeHit};
 
 pub mod description;
@@ -53,6 +54,7 @@ pub struct Scene {
 #[derive(Debug, Clone)]
 struct SurfaceSettings {
     material: Arc<Material>,
+    calls: Calls,
     light: Option<u32>,
 }
 
@@ -87,7 +89,8 @@ impl Scene {
                 let light = AreaLight::new(index(objects.len())?, &placed, object.radiance, sampling);
                 lights.push(Light::Area(light));
             }
-            surfaces.push(SurfaceSettings { material: object.material.clone(), light });
+            let calls = object.material.calls_for();
+            surfaces.push(SurfaceSettings { material: object.material.clone(), calls, light });
             objects.push(placed);
         }
         for light in &description.lights {
@@ -103,7 +106,7 @@ impl Scene {
             lights,
             integrator: description.integrator,
             effects: Effects::NONE,
-            anisotropic: surfaces.iter().any(|s| s.material.calls_for().anisotropic),
+            anisotropic: surfaces.iter().any(|s| s.calls.anisotropic),
             surfaces,
         };
         scene.effects = Effects::of(&scene);
@@ -115,6 +118,25 @@ impl Scene {
         &self.surfaces[object as usize].material
     }
 
+    /// Which decisions that object's material makes.
+    pub fn calls_for(&self, object: u32) -> Calls {
+        self.surfaces[object as usize].calls
+    }
+
+    /// Whether that object's material is diffuse.
+    pub fn is_matte(&self, object: u32) -> bool {
+        self.surfaces[object as usize].material.is_matte()
+    }
+
+    /// Whether any material chooses a lobe, or a direction in one.
+    pub fn decides(&self, decision: Decision) -> bool {
+        self.surfaces.iter().any(|s| match decision {
+            Decision::Lobe => s.calls.lobe,
+            Decision::Direction => s.calls.direction,
+            _ => false,
+        })
+    }
+
     /// The materials of all objects.
     pub fn materials(&self) -> impl Iterator<Item = &Material> {
         self.surfaces.iter().map(|s| s.material.as_ref())
@@ -122,7 +144,7 @@ impl Scene {
 
     /// The frame at a hit, with its x axis along the surface's tangent where the material looks at it.
     pub fn frame_along(&self, ray: &Ray, hit: &Hit, interaction: &Interaction) -> Frame {
-        if !self.material(hit.object).calls_for().anisotropic {
+        if !self.calls_for(hit.object).anisotropic {
             return interaction.frame();
         }
         let at = ShapeHit { t: hit.t, uv: hit.uv };

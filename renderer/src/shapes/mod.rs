@@ -286,6 +286,7 @@ fn check_point(name: &'static str, p: DVec3) -> Result<(), ParamError> {
 /// Rounds an f64 point to f32 with the bound on its distance from the surface: half a unit in the last place of each
 /// coordinate, and `extent` · 2⁻⁴⁶ for the f64 roundings of this evaluation and of the intersection (each has fewer
 /// than a hundred, within 2⁻⁵³ of `extent`, the size of the numbers that went in).
+#[inline]
 #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is what the bound accounts for")]
 fn rounded(p: DVec3, extent: f64) -> (glam::Vec3, glam::Vec3) {
     let point = p.as_vec3();

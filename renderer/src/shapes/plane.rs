@@ -19,6 +19,7 @@ pub(super) struct Plane {
     dual_b: DVec3,
     normal: glam::Vec3,
     extent: f64,
+    jacobian: f64,
 }
 
 impl Plane {
@@ -34,6 +35,7 @@ impl Plane {
             a,
             b,
             cross,
+            jacobian: cross.length(),
             dual_a: b.cross(cross) / square,
             dual_b: cross.cross(a) / square,
             normal: if flip { -outward } else { outward }.as_vec3(),
@@ -54,7 +56,7 @@ impl Plane {
 
     /// |a × b|: the area per unit of x and y.
     pub(super) fn jacobian(&self) -> f64 {
-        self.cross.length()
+        self.jacobian
     }
 
     /// Distance and coordinates of the point where a ray crosses the plane; `None` if it runs parallel.
@@ -70,11 +72,13 @@ impl Plane {
     }
 
     /// The point at (x, y), with texture coordinates `uv`.
+    #[inline]
     pub(super) fn surface(&self, at: [f32; 2], uv: [f32; 2]) -> SurfacePoint {
         self.surface_at(at.map(f64::from), uv)
     }
 
     /// The same for a place that needs more digits: a millimetre's part of a plane a thousand kilometres wide.
+    #[inline]
     pub(super) fn surface_at(&self, [x, y]: [f64; 2], uv: [f32; 2]) -> SurfacePoint {
         let p = self.center + self.a * x + self.b * y;
         let (point, error) = rounded(p, self.extent);

@@ -44,11 +44,12 @@ impl Rectangle {
         self.plane.a
     }
 
-    pub(super) fn area(&self) -> f64 {
+    pub(crate) fn area(&self) -> f64 {
         4.0 * self.plane.jacobian()
     }
 
-    pub(super) fn sample_area(&self, [u, v]: [f32; 2]) -> SurfacePoint {
+    #[inline]
+    pub(crate) fn sample_area(&self, [u, v]: [f32; 2]) -> SurfacePoint {
         self.plane.surface([2.0 * u - 1.0, 2.0 * v - 1.0], [u, v])
     }
 
