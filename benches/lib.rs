@@ -15,6 +15,18 @@ use renderer::shapes::{MeshData, Shape, ShapeSettings};
 /// Rings and segments of the mesh: 2 · 224 · 224 − 2 · 224, about 100,000 triangles.
 const DIVISIONS: u32 = 224;
 
+/// Processor time of this thread in seconds; NaN where the system doesn't tell.
+pub fn busy() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).map_or(f64::NAN, |ns| ns * 1e-9)
+}
+
+/// The middle of a list; NaN of none.
+pub fn median(mut list: Vec<f64>) -> f64 {
+    list.sort_by(f64::total_cmp);
+    list.get(list.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
 /// The reference scene of that name.
 pub fn reference(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes").join(name).with_extension("xml")

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <iostream>
 #include <string>
 #include <thread>
@@ -172,11 +173,14 @@ int main(int argc, char** argv) {
             }
         };
         auto start = Clock::now();
+        std::clock_t busy = std::clock();
         std::vector<std::thread> pool;
         for (size_t i = 1; i < threads; ++i) pool.emplace_back(work);
         work();
         for (auto& thread : pool) thread.join();
         double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        // Of one thread its processor time: other programs may be running.
+        if (threads == 1) seconds = double(std::clock() - busy) / CLOCKS_PER_SEC;
         printf("%.9f %zu\n", seconds, hits.load());
         fflush(stdout);
     }

@@ -1,0 +1,98 @@
+//! Time a ray and memory a triangle against the number of triangles, from a thousand to ten million.
+//!
+//! `cargo bench -p benches --bench scaling [-- LARGEST]`: a table, and the picture `target/tmp/scaling.svg` beside the
+//! logarithm. See README.md.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use benches::knot::{accel, mesh, ray_sets};
+use benches::{busy, median};
+use plotters::prelude::*;
+use renderer::accel::Accel;
+use renderer::ray::Ray;
+
+const COUNTS: [f64; 9] = [1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6, 3e6, 1e7];
+
+const SETS: [&str; 3] = ["coherent", "secondary", "shuffled"];
+
+/// Rays in one query, and passes whose median counts.
+const BATCH: usize = 4096;
+const ROUNDS: usize = 5;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let once = arguments.iter().any(|argument| argument == "--test");
+    let largest = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(if once { 1e4 } else { 1e7 });
+    let mut curves: [Vec<(f64, f64)>; 3] = Default::default();
+    println!("ns a ray, and growth over the logarithm's: {}", SETS.join(", "));
+    println!("{:>10} {:>10} {:>18} {:>18}", "triangles", "bytes each", "ns a ray", "growth");
+    for wanted in COUNTS.into_iter().filter(|count| *count <= largest) {
+        let before = resident();
+        let data = Arc::new(mesh(wanted));
+        let count = data.triangles.len() as f64;
+        let accel = accel(&data);
+        drop(data);
+        let bytes = (resident() - before) / count;
+        let sets = ray_sets(&accel, if once { 32 } else { 512 });
+        for (curve, set) in curves.iter_mut().zip(&sets) {
+            curve.push((count, median((0..ROUNDS).map(|_| time(&accel, &set.rays)).collect())));
+        }
+        let last = curves.each_ref().map(|curve| format!("{:.0}", curve[curve.len() - 1].1)).join(" / ");
+        let growth = curves.each_ref().map(|curve| {
+            let ((n0, t0), (n, t)) = (curve[0], curve[curve.len() - 1]);
+            format!("{:.2}", t / t0 / (n.ln() / n0.ln()))
+        });
+        println!("{count:10} {bytes:10.0} {last:>18} {:>18}", growth.join(" / "));
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scaling.svg");
+    match draw(&path, &curves) {
+        Ok(()) => println!("drawn in {}", path.display()),
+        Err(error) => println!("{}: {error}", path.display()),
+    }
+}
+
+/// Nanoseconds of processor time a ray.
+fn time(accel: &Accel, rays: &[Ray]) -> f64 {
+    let mut hits = Vec::new();
+    let start = busy();
+    rays.chunks(BATCH).for_each(|batch| accel.closest(batch, &mut hits));
+    (busy() - start) * 1e9 / rays.len() as f64
+}
+
+/// Bytes of memory that the process holds, where the system tells.
+fn resident() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kib = line.and_then(|rest| rest.trim().split(' ').next()?.parse::<f64>().ok());
+    kib.map_or(f64::NAN, |kib| kib * 1024.0)
+}
+
+fn draw(path: &Path, curves: &[Vec<(f64, f64)>]) -> Result<(), Box<dyn std::error::Error>> {
+    let area = SVGBackend::new(path, (640, 420)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let highest = curves.iter().flatten().map(|point| point.1).fold(0.0, f64::max);
+    let mut chart = ChartBuilder::on(&area)
+        .caption("Time to the nearest hit, beside the logarithm (dots)", ("sans-serif", 16))
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(52)
+        .build_cartesian_2d((1e3..1e7).log_scale(), 0.0..1.1 * highest)?;
+    chart.configure_mesh().x_desc("triangles").y_desc("ns a ray").draw()?;
+    for ((curve, name), color) in curves.iter().zip(SETS).zip([RED, BLUE, BLACK]) {
+        let line = LineSeries::new(curve.iter().copied(), color.stroke_width(2));
+        let series = chart.draw_series(line)?.label(name);
+        series.legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
+        let (n0, t0) = curve[0];
+        let log = curve.iter().map(|(n, _)| Circle::new((*n, t0 * n.ln() / n0.ln()), 2, color.filled()));
+        chart.draw_series(log)?;
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .border_style(BLACK)
+        .background_style(WHITE.mix(0.8))
+        .draw()?;
+    area.present()?;
+    Ok(())
+}

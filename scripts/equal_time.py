@@ -1,0 +1,192 @@
+"""Error at equal time beside Mitsuba: variance x seconds of both programs, on the scenes of benches/scenes.
+
+    python scripts/equal_time.py                           # every scene, 64 samples a pixel
+    python scripts/equal_time.py direct cornell --rounds 5 --mesh target/tmp/mesh.ply
+
+The variance of a pixel's value, averaged over pixels and channels, is that over independent seeds at 128 by 128 pixels.
+The seconds are those of a render at 512 by 512, medians over rounds in which both programs take turns; reading the
+scene and Mitsuba's compilation aren't counted. Mitsuba (llvm_ad_rgb) has each of its samplers, and the one of least
+variance x seconds stands for it. Ours has one set of points a pixel (--replicates 1), as Mitsuba has. On a busy machine
+--clock cpu compares seconds of processor time, start-up taken off.
+
+Mitsuba needs LLVM's shared library: the file in DRJIT_LIBLLVM_PATH, or one that the system finds. The mesh is written by
+`cargo bench -p benches --bench shading -- --test`.
+"""
+
+import argparse
+import ctypes.util
+import glob
+import os
+import re
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import reference_image
+
+ROOT = Path(__file__).resolve().parent.parent
+SCENES = ("direct", "cornell", "dof", "glass", "mesh")
+SAMPLERS = ("independent", "stratified", "multijitter", "ldsampler")
+
+
+def find_llvm():
+    """The path of LLVM's shared library, where Dr.Jit would not look by itself; None if there is none."""
+    named = os.environ.get("DRJIT_LIBLLVM_PATH")
+    if named:
+        return named
+    versions = [f"LLVM-{v}" for v in range(22, 7, -1)]
+    found = [path for path in map(ctypes.util.find_library, ["LLVM", *versions]) if path]
+    return found[0] if found else next(iter(sorted(glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*"), reverse=True)), None)
+
+
+def processor_seconds(who):
+    """Processor time so far of this process (RUSAGE_SELF) or of those it has waited for (RUSAGE_CHILDREN)."""
+    usage = resource.getrusage(who)
+    return usage.ru_utime + usage.ru_stime
+
+
+class Mitsuba:
+    """Renders of one scene by Mitsuba with one sampler."""
+
+    def __init__(self, scene, sampler, options):
+        import mitsuba as mi
+
+        self.mi, self.spp = mi, options.spp
+        parameters = {"spp": options.spp, "sampler": sampler, **options.parameters(scene)}
+        self.scenes = {res: mi.load_file(str(options.path(scene)), res=res, **parameters) for res in (128, 512)}
+        self.image(128, 0)  # compiles
+
+    def image(self, res, seed):
+        """The image of a seed in f64."""
+        return np.array(self.mi.render(self.scenes[res], spp=self.spp, seed=seed), dtype=np.float64)[:, :, :3]
+
+    def variance(self, seeds):
+        """Of a pixel's value over seeds, the mean of pixels and channels."""
+        return float(np.var([self.image(128, seed) for seed in range(seeds)], axis=0, ddof=1).mean())
+
+    def seconds(self, seed):
+        """Of the clock and of processor time for a render at 512 by 512."""
+        wall, cpu = time.perf_counter(), processor_seconds(resource.RUSAGE_SELF)
+        self.image(512, seed)
+        return time.perf_counter() - wall, processor_seconds(resource.RUSAGE_SELF) - cpu
+
+
+class Lightproof:
+    """Renders of one scene by the program of this repository."""
+
+    def __init__(self, scene, options):
+        self.command = [options.program, "render", str(options.path(scene)), "--replicates=1", "--sampler=sobol"]
+        self.command += [f"-D{name}={value}" for name, value in options.parameters(scene).items()]
+        self.spp = options.spp
+        with tempfile.TemporaryDirectory() as folder:
+            self.start = self.render(Path(folder), 1, 1, 0)[1]
+
+    def render(self, folder, res, spp, seed):
+        """The seconds of a render: as the program says, and of processor time; the image is folder/ours.exr."""
+        cpu = processor_seconds(resource.RUSAGE_CHILDREN)
+        options = [f"-Dres={res}", f"--spp={spp}", f"--seed={seed}", "-o", str(folder / "ours.exr")]
+        run = subprocess.run(self.command + options, capture_output=True, text=True, check=False)
+        said = re.search(r", ([\d.]+) s$", run.stderr, re.MULTILINE)
+        if run.returncode != 0 or not said:
+            sys.exit(f"{' '.join(self.command + options)}\n{run.stderr}")
+        return float(said[1]), processor_seconds(resource.RUSAGE_CHILDREN) - cpu
+
+    def image(self, seed):
+        """The image of a seed at 128 by 128."""
+        with tempfile.TemporaryDirectory() as folder:
+            self.render(Path(folder), 128, self.spp, seed)
+            _, channels = reference_image.read_exr(Path(folder) / "ours.exr")
+        return np.stack([channels[c] for c in "RGB"], axis=2).astype(np.float64)
+
+    def variance(self, seeds):
+        """Of a pixel's value over seeds, the mean of pixels and channels."""
+        return float(np.var([self.image(seed) for seed in range(seeds)], axis=0, ddof=1).mean())
+
+    def seconds(self, seed):
+        """Of the clock and of processor time for a render at 512 by 512."""
+        with tempfile.TemporaryDirectory() as folder:
+            wall, cpu = self.render(Path(folder), 512, self.spp, seed)
+        return wall, cpu - self.start
+
+
+def compare(scene, options):
+    """The table's line of a scene: Mitsuba's best sampler and ours, in one run."""
+    ours = Lightproof(scene, options)
+    theirs = {sampler: Mitsuba(scene, sampler, options) for sampler in options.samplers}
+    seconds = {name: [] for name in ["ours", *theirs]}
+    clock = 0 if options.clock == "wall" else 1
+    for k in range(options.rounds):
+        for name, renderer in [("ours", ours), *theirs.items()]:
+            seconds[name].append(renderer.seconds(k)[clock])
+    products = {name: (renderer.variance(options.seeds), statistics.median(seconds[name]))
+                for name, renderer in [("ours", ours), *theirs.items()]}
+    best = min(theirs, key=lambda name: products[name][0] * products[name][1])
+    (variance, time_), (their_variance, their_time) = products["ours"], products[best]
+    ratio = their_variance * their_time / (variance * time_)
+    return (f"| {scene} | {best} | {their_variance:.2e} x {their_time:.2f} s = {their_variance * their_time:.2e} "
+            f"| {variance:.2e} x {time_:.2f} s = {variance * time_:.2e} | {ratio:.2f} |")
+
+
+class Options(argparse.Namespace):
+    """The command line, and what it says of a scene."""
+
+    def path(self, scene):
+        """The scene's file."""
+        return ROOT / "benches" / "scenes" / f"{scene}.xml"
+
+    def parameters(self, scene):
+        """What is set in the scene's file."""
+        return {"ply": str(Path(self.mesh).resolve())} if scene == "mesh" else {}
+
+
+def parse(arguments):
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="of benches/scenes; all by default")
+    parser.add_argument("--program", default=str(ROOT / "target" / "release" / "lightproof"))
+    parser.add_argument("--mesh", default=str(ROOT / "target" / "tmp" / "mesh.ply"), help="the mesh of the scene mesh")
+    parser.add_argument("--samplers", nargs="+", default=SAMPLERS, choices=SAMPLERS, help="Mitsuba's")
+    parser.add_argument("--spp", type=int, default=64)
+    parser.add_argument("--seeds", type=int, default=8)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--clock", choices=["wall", "cpu"], default="wall")
+    parser.add_argument("--threads", type=int, default=0, help="of Mitsuba; 0 for all, as ours")
+    options = parser.parse_args(arguments, namespace=Options())
+    if options.seeds < 2 or options.rounds < 1:
+        parser.error("--seeds: at least 2, else there is no variance; --rounds: at least 1")
+    unknown = [scene for scene in options.scenes if scene not in SCENES]
+    if unknown:
+        parser.error(f"{unknown[0]}: one of {', '.join(SCENES)} is accepted")
+    options.scenes = tuple(options.scenes) or SCENES
+    return options
+
+
+def main(arguments=None):
+    options = parse(arguments)
+    llvm = find_llvm()
+    if not llvm:
+        print("no LLVM library: name it in DRJIT_LIBLLVM_PATH (Debian: libllvm19)", file=sys.stderr)
+        return 2
+    os.environ["DRJIT_LIBLLVM_PATH"] = llvm
+    import drjit
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    mi.set_log_level(mi.LogLevel.Error)
+    if options.threads:
+        drjit.set_thread_count(options.threads)
+    print(f"| scene | Mitsuba's sampler | Mitsuba {mi.__version__}: variance x {options.clock} | ours | better by |")
+    print("|---|---|---|---|---|", flush=True)
+    for scene in options.scenes:
+        print(compare(scene, options), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
