@@ -26,8 +26,8 @@ pub(super) const BUILD: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::medium_build()
 };
 
-/// Bytes of a tree that a core's own cache holds, so that no ray waits for memory.
-const CACHED: usize = 1 << 18;
+/// Bytes of a tree that caches hold, so that rays don't wait for memory; measured in benches/README.md.
+const CACHED: usize = 1 << 22;
 
 /// Rays walked in turns; measured in benches/README.md.
 const LANES: usize = 12;
@@ -296,4 +296,45 @@ fn are_coherent(rays: &[Ray]) -> bool {
     let pairs = rays.windows(2).step_by(8);
     let along = pairs.clone().filter(|p| p[0].direction.dot(p[1].direction) > 0.9).count();
     2 * along >= pairs.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::sampling::warp;
+    use crate::shapes::{MeshData, ShapeSettings};
+
+    /// A point of the unit sphere for each `n`, without an order.
+    fn point(n: u32) -> Vec3 {
+        let fraction = |x: f32| x - x.floor();
+        warp::square_to_sphere([fraction(n as f32 * 0.754_877), fraction(n as f32 * 0.569_84)])
+    }
+
+    #[test]
+    fn rays_walked_in_turns_find_what_each_finds_alone() {
+        let corners = |n: u32| [0, 1, 2].map(|k| (point(n) * 2.0 + point(7 * n + k)).to_array());
+        let data = MeshData {
+            positions: (0..400).flat_map(corners).collect(),
+            triangles: (0..400).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect(),
+            ..MeshData::default()
+        };
+        let shape = Shape::new(&ShapeSettings::Mesh(Arc::new(data)), &DAffine3::IDENTITY, false).unwrap();
+        let objects = [Object::still(shape)];
+        let group = Group::of_scene(&objects, &[None]);
+        let rays: Vec<Ray> = (0..500).map(|n| Ray::new(point(3 * n) * 4.0, point(5 * n + 1), 0.0)).collect();
+        let context = &mut Context::new(&objects, &[]);
+        let (mut alone, mut in_turns) = (vec![None; rays.len()], vec![None; rays.len()]);
+        group.walk_each::<Closest>(&rays, context, |w| alone[w.index] = w.hit(&group));
+        group.walk_in_turns::<ClosestAhead>(&rays, context, |w| in_turns[w.index] = w.hit(&group));
+        assert_eq!(alone, in_turns);
+        assert!(alone.iter().any(Option::is_some) && alone.iter().any(Option::is_none));
+        let (mut each, mut turns) = (vec![false; rays.len()], vec![false; rays.len()]);
+        group.walk_each::<Any>(&rays, context, |w| each[w.index] = w.has_hit());
+        group.walk_in_turns::<AnyAhead>(&rays, context, |w| turns[w.index] = w.has_hit());
+        assert!(each == turns && each.iter().zip(&alone).all(|(any, hit)| *any == hit.is_some()));
+    }
 }
