@@ -49,13 +49,22 @@ pub fn dielectric(cos_i: f32, eta: f32) -> Interface {
     let (s, q) = (square(k + p), square(m2 * k + n2 * p));
     let rp = d * ((m2 + n2) * (k * k) - n2 * n2) / q;
     let reflectance = (square(d / s) + square(rp)) / 2.0;
-    let transmittance = 2.0 * (k * p) * (1.0 / s + m2 * n2 / q);
     Interface {
         reflectance: to_f32(reflectance),
-        transmittance: to_f32(transmittance),
+        transmittance: to_f32(transmittance([k, p], [n, m])),
         cos_t: Some(to_f32(p / m)),
         eta_rel,
     }
+}
+
+/// The refracted share T between media of the indices [n, m], from [k, p] = [n|cos θᵢ|, m cos θₜ], both above 0; the same
+/// bits from either side.
+///
+/// Where both angles are known nothing is lost near the critical one, as p is by √(k² + d).
+pub(super) fn transmittance([k, p]: [f64; 2], [n, m]: [f64; 2]) -> f64 {
+    let (s, r) = (k + p, m * m * k + n * n * p);
+    let parallel = m * n / r;
+    2.0 * (k * p) * (1.0 / (s * s) + parallel * parallel)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]

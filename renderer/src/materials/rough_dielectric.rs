@@ -10,6 +10,7 @@ use super::fresnel;
 use super::microfacet::half_vector;
 use crate::error::ParamError;
 use crate::math::Rgb;
+use crate::math::float::round_f32;
 use crate::texture::Texture;
 
 /// A boundary between two dielectrics made of microfacets that reflect and refract, seen from either side.
@@ -22,7 +23,8 @@ use crate::texture::Texture;
 /// `C` is a [`Texture`] in a scene and an [`Rgb`] at a point.
 ///
 /// # Precision, limits
-/// ℓ is about |η − 1|, so that h loses the digits of η − 1 in `eval` and `pdf`; `sample` has h itself.
+/// ℓ is about |η − 1|, so that h turns by 1/|η − 1| times what its directions do; `eval` and `pdf` lose nothing beside that:
+/// h and the share that passes come from both directions in f64, and are the same bits for either order of them.
 ///
 /// # Source
 /// Walter, Marschner, Li, Torrance 2007: Microfacet Models for Refraction through Rough Surfaces, equations 16 to
@@ -74,52 +76,70 @@ impl RoughDielectric<Texture> {
     }
 }
 
-/// A facet that refracts `wo` to `wi`, both turned so that `wo` is above.
+/// A facet that lets light pass between two directions on either side of the surface.
 struct Window {
-    /// Its normal, above the surface.
+    /// Its normal h, above the surface.
     h: Vec3,
-    /// wo·h and −wi·h, positive.
-    cos: [f32; 2],
-    /// |wo + η wi|².
-    length_squared: f32,
+    /// a·h and −b·h of the directions a above and b below, positive.
+    cos: [f64; 2],
+    /// The share of light that passes, over |a + η b|².
+    passed: f64,
 }
 
 impl Window {
-    /// The facet between the two directions; `None` where none lets light pass that way.
-    fn between(wo: Vec3, wi: Vec3, eta_rel: f32) -> Option<Self> {
-        let sum = wo + eta_rel * wi;
+    /// The facet between `above` and `below`; `None` where none lets light pass that way.
+    ///
+    /// In f64, where the sum is exact but for one rounding: what cancels in it, and what the critical angle makes of a
+    /// cosine, is not lost.
+    fn between([above, below]: [Vec3; 2], eta: f32) -> Option<Self> {
+        let (a, b, eta) = (above.as_dvec3(), below.as_dvec3(), f64::from(eta));
+        let sum = a + eta * b;
         let length_squared = sum.length_squared();
         let h = sum.try_normalize()?;
         let h = if h.z < 0.0 { -h } else { h };
-        let cos = [wo.dot(h), -wi.dot(h)];
-        (cos[0] > 0.0 && cos[1] > 0.0 && length_squared > 0.0).then_some(Self { h, cos, length_squared })
+        let cos = [a.dot(h), -b.dot(h)];
+        if !(cos[0] > 0.0 && cos[1] > 0.0) {
+            return None;
+        }
+        let passed = fresnel::transmittance([cos[0], eta * cos[1]], [1.0, eta]) / length_squared;
+        Some(Self { h: h.as_vec3(), cos, passed })
     }
 }
 
 impl RoughDielectric<Rgb> {
-    /// Both directions turned so that `wo` is above, and η.
-    fn upward(&self, wo: Vec3, wi: Vec3) -> (Vec3, Vec3, f32) {
-        if wo.z < 0.0 { (-wo, -wi, 1.0 / self.eta) } else { (wo, wi, self.eta) }
+    /// What a facet under the cosine `cos` does to light from `wo`.
+    fn interface(&self, wo: Vec3, cos: f32) -> fresnel::Interface {
+        fresnel::dielectric(cos.clamp(0.0, 1.0).copysign(wo.z), self.eta)
+    }
+
+    /// The normal half way between two directions on one side of the surface, above it, and the share that it reflects.
+    fn reflected(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let (h, cos) = half_vector(wo, wi);
+        (h * wo.z.signum(), self.interface(wo, cos).reflectance)
     }
 
     /// f \[1/sr\].
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let (wo, wi, eta_rel) = self.upward(wo, wi);
         if wo.z == 0.0 || wi.z == 0.0 {
             return Rgb::BLACK;
         }
         let facets = &self.facets;
-        if wi.z > 0.0 {
-            let (h, cos) = half_vector(wo, wi);
-            let reflected = fresnel::dielectric(cos.clamp(0.0, 1.0), eta_rel).reflectance;
-            let shadowing = facets.g1_over_2cos(wo) * facets.g1_over_2cos(wi);
+        let shadowing = [wo, wi].map(|w| facets.g1_over_2cos(w * w.z.signum()));
+        let shadowing = shadowing[0] * shadowing[1];
+        if (wo.z > 0.0) == (wi.z > 0.0) {
+            let (h, reflected) = self.reflected(wo, wi);
             return self.reflectance * (reflected * facets.d(h) * shadowing);
         }
-        let Some(window) = Window::between(wo, wi, eta_rel) else { return Rgb::BLACK };
-        let passed = fresnel::dielectric(window.cos[0].min(1.0), eta_rel).transmittance;
-        let shadowing = 4.0 * facets.g1_over_2cos(wo) * facets.g1_over_2cos(-wi);
-        let jacobian = window.cos[0] * window.cos[1] / window.length_squared;
-        self.transmittance * (passed * facets.d(window.h) * shadowing * jacobian)
+        let Some(window) = Window::between(sorted(wo, wi), self.eta) else { return Rgb::BLACK };
+        // From below the facet's |wo + wi/η|² is smaller by η².
+        let carried = window.cos[0] * window.cos[1] * window.passed * self.squeezed(wo);
+        // D last: what may be too small for all its digits is rounded once.
+        self.transmittance * (4.0 * round_f32(carried) * shadowing * facets.d(window.h))
+    }
+
+    /// The square of the index on the side of `w`.
+    fn squeezed(&self, w: Vec3) -> f64 {
+        if w.z < 0.0 { f64::from(self.eta) * f64::from(self.eta) } else { 1.0 }
     }
 
     /// The density of visible normals, carried over to mirrored and refracted directions, times F or 1 − F.
@@ -127,27 +147,28 @@ impl RoughDielectric<Rgb> {
     /// # Measure
     /// Per steradian. The integral falls short of 1 by the share of directions on the wrong side of the surface.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let (wo, wi, eta_rel) = self.upward(wo, wi);
         if wo.z == 0.0 || wi.z == 0.0 {
             return 0.0;
         }
-        if wi.z > 0.0 {
-            let (h, cos) = half_vector(wo, wi);
-            return self.pdf_reflected(wo, h, fresnel::dielectric(cos.clamp(0.0, 1.0), eta_rel).reflectance);
+        if (wo.z > 0.0) == (wi.z > 0.0) {
+            let (h, reflected) = self.reflected(wo, wi);
+            return self.pdf_reflected(wo, h, reflected);
         }
-        let Some(window) = Window::between(wo, wi, eta_rel) else { return 0.0 };
-        let passed = fresnel::dielectric(window.cos[0].min(1.0), eta_rel).transmittance;
-        self.pdf_refracted(wo, &window, eta_rel, passed)
+        let Some(window) = Window::between(sorted(wo, wi), self.eta) else { return 0.0 };
+        // dh/dwi = |wi·h|/|wi + wo/η|², from above, where |wo + η wi|² is larger by η².
+        let carried = window.cos[0] * window.cos[1] * window.passed * self.squeezed(wi);
+        self.pdf_refracted(wo, window.h, round_f32(carried))
     }
 
     fn pdf_reflected(&self, wo: Vec3, h: Vec3, reflected: f32) -> f32 {
+        let wo = wo * wo.z.signum();
         reflected * self.facets.d(h) * self.facets.g1_over_2cos(wo) / 2.0
     }
 
-    /// dh/dwi = η² |wi·h|/ℓ².
-    fn pdf_refracted(&self, wo: Vec3, window: &Window, eta_rel: f32, passed: f32) -> f32 {
-        let visible = 2.0 * self.facets.g1_over_2cos(wo) * self.facets.d(window.h) * window.cos[0];
-        passed * visible * eta_rel * eta_rel * window.cos[1] / window.length_squared
+    /// * `carried`: (wo·h) (1 − F) dh/dwi.
+    fn pdf_refracted(&self, wo: Vec3, h: Vec3, carried: f32) -> f32 {
+        let wo = wo * wo.z.signum();
+        2.0 * self.facets.g1_over_2cos(wo) * self.facets.d(h) * carried
     }
 
     /// Mirrors or refracts `wo` at a visible facet, with the probability of its Fresnel reflectance; the weight is
@@ -159,22 +180,25 @@ impl RoughDielectric<Rgb> {
             return None;
         }
         let side = wo.z.signum();
-        let (wo, _, eta_rel) = self.upward(wo, wo);
-        let h = self.facets.sample_visible(wo, u);
-        let cos = wo.dot(h).clamp(0.0, 1.0);
-        let interface = fresnel::dielectric(cos, eta_rel);
+        let up = wo * side;
+        let h = self.facets.sample_visible(up, u);
+        let cos = up.dot(h).clamp(0.0, 1.0);
+        let interface = self.interface(wo, cos);
+        let eta_rel = interface.eta_rel;
         let sample = if u_lobe < interface.reflectance {
-            let wi = (h * (2.0 * cos) - wo).normalize();
+            let wi = (h * (2.0 * cos) - up).normalize();
             let pdf = self.pdf_reflected(wo, h, interface.reflectance);
             let weight = self.reflectance * self.facets.g1(wi);
             (wi.z > 0.0).then_some((wi, weight, pdf, false))?
         } else {
             let cos_t = interface.cos_t?;
-            let wi = (h * (cos / eta_rel - cos_t) - wo / eta_rel).normalize();
-            // ℓ = |c − η cos θₜ| without the difference.
-            let length = (eta_rel - 1.0) * (eta_rel + 1.0) / (cos + eta_rel * cos_t);
-            let window = Window { h, cos: [cos, cos_t], length_squared: length * length };
-            let pdf = self.pdf_refracted(wo, &window, eta_rel, interface.transmittance);
+            let wi = (h * (cos / eta_rel - cos_t) - up / eta_rel).normalize();
+            // η/ℓ with ℓ = |c − η cos θₜ|, without the difference and without that of 1 and a rounded 1/η.
+            let eta = self.eta;
+            let sum = if wo.z > 0.0 { eta * (cos + eta * cos_t) } else { eta * cos + cos_t };
+            let stretch = sum / ((eta - 1.0) * (eta + 1.0));
+            let carried = cos * cos_t * interface.transmittance * stretch * stretch;
+            let pdf = self.pdf_refracted(wo, h, carried);
             let weight = self.transmittance * (self.facets.g1(-wi) / (eta_rel * eta_rel));
             (wi.z < 0.0).then_some((wi, weight, pdf, true))?
         };
@@ -183,6 +207,11 @@ impl RoughDielectric<Rgb> {
         let lobe = Lobe::Spread;
         (pdf > 0.0).then_some(BsdfSample { wi: wi * side, weight, pdf, lobe, transmitted, eta_rel })
     }
+}
+
+/// Two directions on different sides, the upper one first.
+fn sorted(a: Vec3, b: Vec3) -> [Vec3; 2] {
+    if a.z > 0.0 { [a, b] } else { [b, a] }
 }
 
 #[cfg(test)]
