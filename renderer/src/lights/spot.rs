@@ -41,9 +41,8 @@ impl Spot {
 
     /// The intensity [W sr⁻¹] in the direction of the unit vector `w`, away from the light.
     pub fn towards(&self, w: Vec3) -> Rgb {
-        // The angle from the half chord, which keeps the digits of small ones.
-        let half = 0.5 * (w - self.axis).length();
-        let angle = 2.0 * libm::asinf(half.min(1.0));
+        // Half of it by the chords to the axis and to its opposite, which keep the digits of small angles and of large ones.
+        let angle = 2.0 * libm::atan2f((w - self.axis).length(), (w + self.axis).length());
         if angle <= self.beam {
             self.intensity
         } else if angle < self.cutoff {

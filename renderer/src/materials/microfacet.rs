@@ -58,13 +58,15 @@ impl Ggx {
     /// Per steradian of normals.
     ///
     /// # Source
-    /// Dupuy, Benyoub 2023: Sampling Visible GGX Normals with Spherical Caps, listing 3; 1 + z is kept as
-    /// (1 − u)(1 + cos θ) rather than by difference.
+    /// Dupuy, Benyoub 2023: Sampling Visible GGX Normals with Spherical Caps, listing 3; 1 + z and 1 − z of
+    /// the spread direction are kept as (1 − u)(1 + cos θ) and with sin²θ/(1 + cos θ) rather than by differences.
     pub fn sample_visible(&self, w: Vec3, u: [f32; 2]) -> Vec3 {
         let [ax, ay] = self.alpha;
         let ws = Vec3::new(ax * w.x, ay * w.y, w.z).normalize();
         let below = u[1] * (1.0 + ws.z);
-        let radius = (below * (2.0 - below)).sqrt();
+        // 2 − below, from 1 − u and from 1 − cos θ by the sine.
+        let above = (1.0 - u[1]) * (1.0 + ws.z) + (ws.x * ws.x + ws.y * ws.y) / (1.0 + ws.z);
+        let radius = (below * above).sqrt();
         let (sin, cos) = libm::sincosf(TAU * u[0]);
         let half = Vec3::new(radius * cos + ws.x, radius * sin + ws.y, (1.0 - u[1]) * (1.0 + ws.z));
         Vec3::new(ax * half.x, ay * half.y, half.z).normalize()
