@@ -9,6 +9,7 @@ use crate::film::estimate::values;
 use crate::film::{Part, PixelEstimate, PixelSum, Reconstruction, Tile, TileSums};
 use crate::integrator::batch::Sample;
 use crate::integrator::{Batch, Integrator, PathTracer};
+use crate::math::Rgb;
 use crate::sampling::{
     Halton, Independent, MultiJitter, Pmj02, SampleId, Sampler, SamplerKind, Sobol, Stratified,
 };
@@ -218,9 +219,14 @@ impl<I: Integrator> Finish<'_, I> {
             for run in batch.samples.chunk_by(of_one_sum) {
                 summed.clear();
                 for sample in run {
-                    let weighted = sample.radiance * sample.weight;
+                    let mut weighted = sample.radiance * sample.weight;
+                    if !weighted.is_finite() {
+                        batch.dropped += 1;
+                        weighted = Rgb::BLACK;
+                    }
                     summed.push(values(weighted, sample.weight));
-                    largest = largest.max(weighted.mean().abs());
+                    // Their mean; the sum of all three may be more than f32 holds.
+                    largest = largest.max((weighted / 3.0).to_array().iter().sum::<f32>().abs());
                 }
                 let id = run[0].id;
                 sums[tile.place(id.pixel)].extend(id.replicate, &summed);

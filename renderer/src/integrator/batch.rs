@@ -150,10 +150,12 @@ impl Batch {
         self.paths.clear();
     }
 
-    /// Adds a contribution to a sample, or counts it as dropped if it is not finite.
+    /// Adds a contribution to a sample, or counts it as dropped if it, or what it adds up to, is not finite.
     pub fn add(&mut self, sample: u32, contribution: Rgb) {
-        if contribution.is_finite() {
-            self.samples[sample as usize].radiance += contribution;
+        let radiance = &mut self.samples[sample as usize].radiance;
+        let sum = *radiance + contribution;
+        if sum.is_finite() {
+            *radiance = sum;
         } else {
             self.dropped += 1;
         }
