@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 use renderer::ParamError;
 use renderer::camera::{Camera, CameraSettings, FovAxis, Projection, Shutter};
 use renderer::film::{Film, FilmSettings, Filter, FilterSampler, Reconstruction};
-use renderer::materials::{Ggx, Material, Metal};
+use renderer::lights::{Environment, Spot};
+use renderer::materials::{Beckmann, Ggx, Material, Metal};
 use renderer::math::Rgb;
 use renderer::math::transform::Motion;
 use renderer::render::RenderSettings;
@@ -120,6 +121,52 @@ fn materials() {
     for value in [-0.5, 1.5, f32::NAN] {
         says(Material::new_diffuse(Texture::Constant(Rgb::splat(value))), &["reflectance", "accepted"]);
     }
+}
+
+#[test]
+fn boundaries() {
+    let (white, black) = (|| Texture::Constant(Rgb::WHITE), || Texture::Constant(Rgb::BLACK));
+    for (eta, value) in [(0.0, "0"), (-1.5, "-1.5"), (f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
+        let facets = || Beckmann { alpha: [0.1; 2] };
+        says(Material::new_rough_dielectric(facets(), eta, white(), white()), &["eta", value, "accepted"]);
+        says(Material::new_thin_dielectric(eta, white(), white()), &["eta", value, "accepted"]);
+        says(Material::new_plastic(eta, true, black(), white()), &["eta", value, "accepted"]);
+        says(Material::new_rough_plastic(facets(), eta, true, black(), white()), &["eta", value, "accepted"]);
+    }
+    for (alpha, value) in [(-0.1, "-0.1"), (f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
+        let facets = || Beckmann { alpha: [0.1, alpha] };
+        says(Material::new_rough_dielectric(facets(), 1.5, white(), white()), &["alpha", value, "accepted"]);
+        says(
+            Material::new_rough_plastic(facets(), 1.5, true, black(), white()),
+            &["alpha", value, "accepted"],
+        );
+    }
+    for value in [-0.5, 1.5, f32::NAN] {
+        let share = || Texture::Constant(Rgb::splat(value));
+        let matt = || Material::new_diffuse(black()).unwrap();
+        says(Material::new_mask(share(), matt()), &["opacity", "accepted"]);
+        says(Material::new_blend(share(), [matt(), matt()]), &["weight", "accepted"]);
+    }
+}
+
+#[test]
+fn lights() {
+    let spot = |beam, cutoff| Spot::new(Vec3::ZERO, Vec3::Z, Rgb::WHITE, [beam, cutoff]);
+    for (cutoff, value) in [(0.0, "0"), (-1.0, "-1"), (181.0, "181"), (f32::NAN, "NaN")] {
+        says(spot(0.0, cutoff), &["cutoff_angle", value, "(0, 180]"]);
+    }
+    for (beam, value) in [(-1.0, "-1"), (30.5, "30.5"), (f32::NAN, "NaN")] {
+        says(spot(beam, 30.0), &["beam_width", value, "from 0 to cutoff_angle"]);
+    }
+    let sky = |size, value, to_world| Environment::new(size, vec![Rgb::splat(value); 4], to_world);
+    let id = DMat3::IDENTITY;
+    says(sky([0, 2], 1.0, id), &["environment map", "one column and two rows"]);
+    says(sky([3, 2], 1.0, id), &["pixels", "4", "width × height"]);
+    for (value, written) in [(-1.0, "-1"), (f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
+        says(sky([2, 2], value, id), &["pixel", written, "accepted"]);
+    }
+    says(sky([2, 2], 1.0, 2.0 * id), &["to_world", "3", "rotation"]);
+    says(sky([2, 2], 1.0, f64::NAN * id), &["to_world", "NaN", "rotation"]);
 }
 
 fn camera(projection: Projection) -> Result<Camera, ParamError> {

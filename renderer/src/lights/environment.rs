@@ -61,7 +61,9 @@ impl Environment {
             }
         }
         let gram = to_world.transpose() * to_world - DMat3::IDENTITY;
-        let value = gram.to_cols_array().iter().fold(0.0f64, |a, x| a.max(x.abs()));
+        // NaN counts as the largest; `max` would leave it out.
+        let larger = |a: f64, x: f64| if a.is_nan() || x <= a { a } else { x };
+        let value = gram.to_cols_array().into_iter().map(f64::abs).fold(0.0, larger);
         if value.is_nan() || value > ROTATION {
             let (name, accepted) = ("distortion by to_world", "a rotation or reflection");
             return Err(ParamError::OutOfRange { name, value, accepted });

@@ -18,6 +18,10 @@ pub(super) struct Extent {
 /// Least cosine that a light counts with: lights that seem to face away keep a chance, whatever rounding does.
 const LEAST_COS: f32 = 1e-3;
 
+/// What a light counts with at most: two of them add up to a number. (And at least with the smallest normal one, so that no
+/// light's chance underflows to 0.)
+const LARGEST: f32 = f32::MAX / 4.0;
+
 impl Extent {
     /// A bound on the cosine at the lights over the squared distance, times their intensity.
     ///
@@ -27,7 +31,7 @@ impl Extent {
     fn importance(&self, from: Vec3) -> f32 {
         let to = from - self.middle;
         let (d2, r2) = (to.length_squared(), self.radius * self.radius);
-        let least = self.intensity / d2.max(r2).max(f32::MIN_POSITIVE);
+        let least = (self.intensity / d2.max(r2).max(f32::MIN_POSITIVE)).clamp(f32::MIN_POSITIVE, LARGEST);
         if self.cos <= -1.0 || d2 <= r2 {
             return least;
         }
@@ -189,6 +193,17 @@ mod tests {
 
     fn tree(lights: &[Extent]) -> Tree {
         Tree::new((0..).zip(lights.iter().copied()).collect(), lights.len())
+    }
+
+    #[test]
+    fn lights_too_bright_or_too_dim_for_single_precision_keep_their_chance() {
+        for intensity in [f32::INFINITY, f32::MAX, 1e-45] {
+            for apart in [1e-20, 1.0, 1e6] {
+                let at = |x| light([x, 0.0, 0.0], 0.0, [0.0; 3], false, intensity);
+                let tree = tree(&[at(-apart), at(apart)]);
+                assert_eq!([0, 1].map(|light| tree.pmf(light, Vec3::ZERO)), [0.5; 2], "{intensity} {apart}");
+            }
+        }
     }
 
     proptest! {
