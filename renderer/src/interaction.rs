@@ -23,6 +23,9 @@ pub struct SurfacePoint {
 /// Slack for the roundings inside `offset` itself: it does a few f32 operations, each within 2⁻²⁴.
 const SLACK: f32 = 1.0 + 8.0 * f32::EPSILON;
 
+/// How far a unit normal is from the exact one: three components are rounded by 2⁻²⁵ each, and once more as they are computed.
+const NORMAL_ERROR: f64 = f32::EPSILON as f64;
+
 impl SurfacePoint {
     /// The ray from this surface along the unit vector `direction`, starting just beyond the error bound on the side
     /// that `direction` points to.
@@ -34,7 +37,8 @@ impl SurfacePoint {
     /// The segment to `target`, which ends before `target`'s surface.
     ///
     /// It ends where it meets the tangent plane at `target` moved towards its origin by `target`'s error bound, and
-    /// so before the surface itself if that is flat or curved away.
+    /// so before the surface itself if that is flat or curved away, however the plane's normal and the direction have been
+    /// rounded. A segment within that rounding of the plane has length 0: nothing is in its way.
     ///
     /// # Precision, limits
     /// A direction has f32 components, so the segment passes `target` at up to 2⁻²⁴ of its length to the side.
@@ -43,13 +47,15 @@ impl SurfacePoint {
         let to = (target.point - self.point).as_dvec3();
         let origin = self.offset(to.as_vec3());
         let ray = segment(origin, target.point, time);
-        let ng = target.ng.as_dvec3();
+        let (ng, to) = (target.ng.as_dvec3(), target.point.as_dvec3() - origin.as_dvec3());
+        let (length, direction) = (to.length(), ray.direction.as_dvec3());
         let margin = ng.abs().dot(target.error.as_dvec3()) * f64::from(SLACK);
-        let height = ng.dot(target.point.as_dvec3() - origin.as_dvec3());
-        let slope = ng.dot(ray.direction.as_dvec3());
-        let before = (height.abs() - margin) / slope.abs();
-        // Along a ray parallel to the target's plane `before` is NaN or infinite, and `min` keeps the distance.
-        Ray { t_max: round_down(f64::from(ray.t_max).min(before)), ..ray }
+        // By how much the ray passes `target`, as a height over the plane, and how fast it loses height.
+        let aside = to - length * direction;
+        let height = ng.dot(aside).abs() + NORMAL_ERROR * aside.length() + margin;
+        let slope = ng.dot(direction).abs() - NORMAL_ERROR;
+        let before = if slope > 0.0 { length - height / slope } else { 0.0 };
+        Ray { t_max: round_down(before), ..ray }
     }
 
     /// The segment to a point that lies on no surface.

@@ -118,7 +118,7 @@ fn the_fuzzers_inputs_are_read_or_refused_in_one_line() {
     use renderer::io::mesh::{MeshFormat, parse};
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
     let mut count = 0;
-    for kind in ["scene", "ply", "obj", "exr"] {
+    for kind in ["scene", "ply", "obj", "serialized", "exr"] {
         for entry in fs::read_dir(corpus.join(kind)).unwrap() {
             let path = entry.unwrap().path();
             let bytes = fs::read(&path).unwrap();
@@ -126,6 +126,7 @@ fn the_fuzzers_inputs_are_read_or_refused_in_one_line() {
                 "scene" => read_scene(&path, &[]).err(),
                 "ply" => parse(&path, &bytes, MeshFormat::Ply).err(),
                 "obj" => parse(&path, &bytes, MeshFormat::Obj).err(),
+                "serialized" => parse(&path, &bytes, MeshFormat::Serialized { shape: 1 }).err(),
                 _ => renderer::io::exr::decode(&path, &bytes).err(),
             };
             let message = refused.map(|error| error.to_string()).unwrap_or_default();
@@ -133,5 +134,5 @@ fn the_fuzzers_inputs_are_read_or_refused_in_one_line() {
             count += 1;
         }
     }
-    assert!(count >= 13, "{count} inputs");
+    assert!(count >= 17, "{count} inputs");
 }

@@ -5,6 +5,8 @@ use proptest::prelude::*;
 use renderer::materials::{Beckmann, Branch, Bsdf, BsdfSample, Facets, Ggx, Lobe, Material, Metal};
 use renderer::math::{Frame, Rgb};
 
+mod cases;
+
 const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
 fn log_uniform(from: f32, to: f32) -> impl Strategy<Value = f32> {
@@ -163,7 +165,7 @@ fn check_sample(wo: Vec3, s: &BsdfSample) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(20_000))]
 
     #[test]
     fn nothing_is_ever_nan_or_negative(

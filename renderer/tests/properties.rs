@@ -3,7 +3,6 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use proptest::prelude::*;
-use proptest::test_runner::FileFailurePersistence;
 use renderer::accel::{Accel, Object};
 use renderer::math::Frame;
 use renderer::math::float::unit_f32;
@@ -13,20 +12,7 @@ use renderer::sampling::Discrete;
 use renderer::sampling::warp::*;
 use renderer::shapes::{Shape, ShapeSettings};
 
-/// 10,000 cases a law; 8 and 64 times as many at the levels standard and exhaustive.
-fn config() -> ProptestConfig {
-    let factor = match std::env::var("VERIFY_LEVEL").as_deref() {
-        Ok("standard") => 8,
-        Ok("exhaustive") => 64,
-        _ => 1,
-    };
-    let regressions = FileFailurePersistence::WithSource("proptest-regressions");
-    ProptestConfig {
-        cases: 10_000 * factor,
-        failure_persistence: Some(Box::new(regressions)),
-        ..ProptestConfig::default()
-    }
-}
+mod cases;
 
 /// 2⁻²⁴, the relative size of one rounding.
 const ROUNDING: f32 = f32::EPSILON / 2.0;
@@ -57,7 +43,7 @@ fn around(a: f32, b: f32) -> f32 {
 const TURN: f32 = 8.0 * ROUNDING;
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases::config(10_000))]
 
     #[test]
     fn disk_and_back(u in inner()) {
@@ -237,7 +223,7 @@ fn every_element(objects: &[Object], ray: &Ray) -> Option<f32> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases::config(10_000))]
 
     #[test]
     fn a_body_stays_in_its_box_while_the_shutter_is_open(object in object(shape()), u in [unit(), unit()], time in 0.0..=1.0_f32) {

@@ -4,6 +4,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use renderer::sampling::warp::{SphericalRectangle, SphericalTriangle};
 
+mod cases;
+
 /// Solid angles for which precision is promised.
 const PROMISED: f64 = 1e-10;
 
@@ -29,6 +31,8 @@ fn placed(points: [[f64; 3]; 3], [yaw, pitch, roll]: [f64; 3]) -> [DVec3; 3] {
 }
 
 proptest! {
+    #![proptest_config(cases::config(10_000))]
+
     #[test]
     fn first_number_shares_out_a_rectangle_between_its_sides(
         x in -3.0..3.0_f64, y in -3.0..3.0_f64, a in power(-5.0, 1.0), aspect in power(-2.0, 2.0),

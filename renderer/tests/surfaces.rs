@@ -14,6 +14,8 @@ use renderer::math::transform::Motion;
 use renderer::ray::Ray;
 use renderer::shapes::{MeshData, Shape, ShapeHit, ShapeSettings};
 
+mod cases;
+
 /// A coordinate of either sign, log-uniform over 1e-6 … 1e6.
 fn coordinate(rng: &mut Pcg64) -> f64 {
     let size = 10f64.powf(12.0 * rng.random::<f64>() - 6.0);
@@ -86,7 +88,7 @@ fn comes_back(object: &Object, at: &SurfacePoint, wi: Vec3, time: f32) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(10_000))]
 
     #[test]
     fn spawned_rays_do_not_come_back(seed: u64) {
