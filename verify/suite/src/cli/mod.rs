@@ -19,6 +19,7 @@ mod table;
 mod verify;
 
 pub use error::CliError;
+pub use samples::file as points;
 
 /// What a command that could run says about its subject.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

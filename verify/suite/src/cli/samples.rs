@@ -19,7 +19,7 @@ use subject::{Atom, Pdf};
 
 mod csv;
 mod domain;
-mod file;
+pub mod file;
 mod npy;
 mod subject;
 

@@ -12,10 +12,11 @@ const BATCH: usize = 1 << 16;
 
 /// How numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Number {
+pub struct Number {
     /// Eight bytes instead of four.
-    pub(super) double: bool,
-    pub(super) big_endian: bool,
+    pub double: bool,
+    /// The highest byte first.
+    pub big_endian: bool,
 }
 
 impl Number {
@@ -38,8 +39,8 @@ impl Number {
     }
 }
 
-/// An open file of points.
-pub(super) struct Points {
+/// An open file of points: .npy, .csv or raw numbers.
+pub struct Points {
     path: PathBuf,
     file: BufReader<File>,
     dimensions: usize,
@@ -59,8 +60,13 @@ enum Kind {
 impl Points {
     /// Opens a file; its kind follows from its ending.
     ///
+    /// * `dimensions`: coordinates of a point, from 1.
     /// * `dtype`: how a raw file stores numbers.
-    pub(super) fn open(path: &Path, dimensions: usize, dtype: Option<Number>) -> Result<Self, CliError> {
+    ///
+    /// # Errors
+    /// `CliError::Io` for a file that cannot be read, `CliError::Points` for a header that does not fit, and for a kind without
+    /// `dtype` or with one too many.
+    pub fn open(path: &Path, dimensions: usize, dtype: Option<Number>) -> Result<Self, CliError> {
         let opened = File::open(path).map_err(|source| CliError::Io { path: path.to_owned(), source })?;
         let mut file = BufReader::with_capacity(1 << 18, opened);
         let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_lowercase);
@@ -85,7 +91,10 @@ impl Points {
     }
 
     /// Reads the next rows into `values`, one after the other; returns whether there were any.
-    pub(super) fn next(&mut self, values: &mut Vec<f64>) -> Result<bool, CliError> {
+    ///
+    /// # Errors
+    /// `CliError::Points`, with the row, for what is no finite number, for incomplete rows, and for bytes after the last one.
+    pub fn next(&mut self, values: &mut Vec<f64>) -> Result<bool, CliError> {
         values.clear();
         let wanted = (BATCH / self.dimensions).max(1);
         let read = match &mut self.kind {
@@ -188,5 +197,35 @@ mod tests {
         assert!(binary(&mut &[0u8; 9][..], number, 5, &mut values).is_err());
         assert!(truncation(3, 2, false).is_err() && truncation(0, 2, true).is_err());
         assert!(truncation(0, 2, false).is_ok() && truncation(4, 2, true).is_ok());
+    }
+    /// What the fuzzer starts from, and what it found: `line-break` made a message of two lines.
+    #[test]
+    fn the_fuzzers_inputs_are_read_or_refused_in_one_line() {
+        let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../renderer/fuzz/corpus/samples");
+        let folder = std::env::temp_dir().join(format!("lightproof-samples-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (mut read, mut refused) = (0, 0);
+        for entry in std::fs::read_dir(corpus).unwrap() {
+            // As in the fuzz target: the first byte says what the rest is.
+            let bytes = std::fs::read(entry.unwrap().path()).unwrap();
+            let (kind, dimensions) = (usize::from(bytes[0] & 3), usize::from(bytes[0] >> 2 & 3) + 1);
+            let path = folder.join("points").with_extension(["npy", "csv", "raw", "raw"][kind]);
+            std::fs::write(&path, &bytes[1..]).unwrap();
+            let dtype = (kind > 1).then_some(Number { double: kind == 3, big_endian: false });
+            let mut values = Vec::new();
+            let whole = Points::open(&path, dimensions, dtype).and_then(|mut points| {
+                while points.next(&mut values)? {}
+                Ok(())
+            });
+            match whole {
+                Ok(()) => read += 1,
+                Err(error) => {
+                    assert!(!error.to_string().contains('\n'), "{error}");
+                    refused += 1;
+                }
+            }
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert!(read >= 6 && refused >= 1, "{read} read, {refused} refused");
     }
 }

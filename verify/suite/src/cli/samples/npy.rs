@@ -59,7 +59,7 @@ fn parse(text: &str) -> Result<Header, String> {
         "<f8" => Number { double: true, big_endian: false },
         ">f4" => Number { double: false, big_endian: true },
         ">f8" => Number { double: true, big_endian: true },
-        other => return Err(format!("its numbers are of type {other}; float32 and float64 are accepted")),
+        other => return Err(format!("its numbers are of type {other:?}; float32 and float64 are accepted")),
     };
     let shape = after("shape")?.trim_start_matches('(');
     let shape = shape.split(')').next().unwrap_or(shape).split(',').map(str::trim).filter(|n| !n.is_empty());
