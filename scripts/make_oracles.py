@@ -321,6 +321,61 @@ def rectangle_solid_angle(rng):
         yield [x0, y0, x1, y1, z], [value]
 
 
+def beckmann(rng):
+    """Beckmann: D(m) and G1(w) for directions by x, y and z, at the pole, a step off it, and grazing."""
+    for _ in range(300):
+        ax, ay = single(log_uniform(rng, 1e-5, 1)), single(log_uniform(rng, 1e-5, 1))
+        theta = rng.choice([abs(rng.gauss(0, 1)) * ax, rng.uniform(0, np.pi / 2), np.pi / 2 - log_uniform(rng, 1e-8, 1), 0.0])
+        phi = rng.uniform(0, 2 * np.pi)
+        m = [single(np.sin(theta) * np.cos(phi)), single(np.sin(theta) * np.sin(phi)), max(single(np.cos(theta)), 2.0 ** -60)]
+        x, y, z = (mpf(v) for v in m)
+        t = ((x / mpf(ax)) ** 2 + (y / mpf(ay)) ** 2) / (z * z)
+        across = mp.sqrt((x * mpf(ax)) ** 2 + (y * mpf(ay)) ** 2)
+        d = mp.exp(-t) / (mp.pi * mpf(ax) * mpf(ay) * z ** 4)
+        g1 = 2 * z / (z * (1 + mp.erf(z / across)) + across * mp.exp(-((z / across) ** 2)) / mp.sqrt(mp.pi)) if across else mpf(1)
+        yield [*m, ax, ay], [d if d > mpf(10) ** -300 else mpf(0), g1]
+
+
+def ground_glass(rng):
+    """What GGX windows refract, f and pdf, near the critical angle and elsewhere; Fresnel's share from both cosines."""
+    for k in range(300):
+        eta, alpha = single(log_uniform(rng, 1.01, 4)), single(log_uniform(rng, 1e-3, 1))
+        cos, tilt, phi = log_uniform(rng, 1e-3, 1), min(alpha * log_uniform(rng, 1e-2, 2), 1.4), rng.uniform(0, 2 * np.pi)
+        h = np.array([np.sin(tilt) * np.cos(phi), np.sin(tilt) * np.sin(phi), np.cos(tilt)])
+        t = np.cross(h, direction(rng))
+        t *= np.copysign(1, t[2]) / np.linalg.norm(t)
+        sin = np.sqrt((1 - cos) * (1 + cos))
+        a, b = cos * h + sin * t, -np.sqrt(1 - (sin / eta) ** 2) * h - sin / eta * t
+        a, b = [single(v) for v in a], [single(v) for v in b]
+        if not (a[2] > 0 > b[2]):
+            continue
+        total = [mpf(x) + mpf(eta) * mpf(y) for x, y in zip(a, b)]
+        size = length(total)
+        n = [v / size * mp.sign(total[2]) for v in total]
+        ca, cb, e, w = dot(n, [mpf(v) for v in a]), -dot(n, [mpf(v) for v in b]), mpf(eta), mpf(alpha)
+        passed = (4 * ca * e * cb / (ca + e * cb) ** 2 + 4 * e * ca * cb / (e * ca + cb) ** 2) / 2
+        d = 1 / (mp.pi * w * w * ((n[0] ** 2 + n[1] ** 2) / (w * w) + n[2] ** 2) ** 2)
+
+        def shadowing(v):
+            x, y, z = (abs(mpf(c)) for c in v)
+            return 2 / (z + mp.sqrt((x * w) ** 2 + (y * w) ** 2 + z * z))
+
+        both = passed * d * ca * cb / size ** 2
+        value = both * shadowing(a) * shadowing(b)
+        if k % 2:
+            yield [*a, *b, alpha, eta], [value, both * shadowing(a) * e * e]
+        else:
+            yield [*b, *a, alpha, eta], [value * e * e, both * shadowing(b)]
+
+
+def sphere_solid_angle(rng):
+    """Solid angle of a sphere of radius 1 from a distance of 1 + 1e-9 to 1e6, in double precision."""
+    for _ in range(200):
+        distance = 1 + log_uniform(rng, 1e-9, 1e6)
+        s2 = 1 / mpf(distance) ** 2
+        yield [distance], [2 * mp.pi * s2 / (1 + mp.sqrt(1 - s2))]
+
+
 # Name, columns of inputs, columns of values, function.
 TABLES = [
     ("one_minus_cos", "sin2", "value", one_minus_cos),
@@ -339,6 +394,9 @@ TABLES = [
     ("rotation", "angle s", "x y", rotation),
     ("discrete", "w0 w1 w2 w3 w4 w5 w6 w7 index", "pmf", discrete),
     ("triangle_solid_angle", "ax ay az bx by bz cx cy cz", "sr", triangle_solid_angle),
+    ("beckmann", "x y z alpha_x alpha_y", "d g1", beckmann),
+    ("ground_glass", "ox oy oz ix iy iz alpha eta", "f pdf", ground_glass),
+    ("sphere_solid_angle", "distance", "sr", sphere_solid_angle),
     ("rectangle_solid_angle", "x0 y0 x1 y1 z", "sr", rectangle_solid_angle),
 ]
 

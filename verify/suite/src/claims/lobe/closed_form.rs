@@ -29,7 +29,7 @@ impl Normals {
     }
 
     /// D: the area of microfacets per steradian of normals.
-    fn d(self, h: DVec3) -> f64 {
+    pub(in super::super) fn d(self, h: DVec3) -> f64 {
         let t = self.steepness(h);
         let peak = |[ax, ay]: [f64; 2]| FRAC_1_PI / (ax * ay * h.z.powi(4));
         match self {

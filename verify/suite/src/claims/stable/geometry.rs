@@ -12,7 +12,9 @@ use super::routine::{ROUNDING, ROUNDING_F64, Routine, ulp};
 use super::tables;
 
 pub(super) fn entries() -> Vec<Entry> {
-    vec![SPHERE.into(), SPHERE_POINT.into(), TRIANGLE.into(), FLAT.into(), ROTATION.into(), STRETCH.into()]
+    let shapes: [Entry; 5] =
+        [SPHERE.into(), SPHERE_POINT.into(), CYLINDER.into(), TRIANGLE.into(), FLAT.into()];
+    shapes.into_iter().chain([ROTATION.into(), STRETCH.into()]).collect()
 }
 
 /// The ray of the first six numbers.
@@ -123,6 +125,41 @@ const SPHERE_POINT: Routine<9, 1> = Routine {
         });
         [off.unwrap_or(0.0)]
     }),
+};
+
+/// Origin, direction and centre in the plane across z.
+fn flattened(x: &[f64; 9]) -> [f64; 9] {
+    std::array::from_fn(|i| if i % 3 == 2 { 0.0 } else { x[i] })
+}
+
+/// A cylinder of radius 1 along z, longer than any ray gets.
+const CYLINDER: Routine<9, 1> = Routine {
+    id: "cylinder/1-to-1e8-radii",
+    says: "a ray meets a cylinder where it does, from inside and from up to 1e8 radii away",
+    bound: 0.51, // As for the sphere: the same quadratic, in the plane across the axis.
+    table: tables::NONE,
+    corners: &[],
+    draw: |n| {
+        let o = rounded(3.0 * n.direction());
+        let (sin, cos) = (std::f64::consts::TAU * n.unit()).sin_cos();
+        let (along, across) = (DVec3::new(cos, sin, 0.0), DVec3::new(-sin, cos, 0.0));
+        let d = rounded((along + n.between(-0.5, 0.5) * DVec3::Z).normalize());
+        let far = n.one_of([n.log(1.5, 1e8), n.unit() * 0.4]);
+        let off = n.one_of([0.9 * n.unit(), 1.0 - n.log(1e-4, 1.0), 1.0 + n.log(1e-4, 1.0)]);
+        let off = if far < 1.0 { 0.8 * off.min(1.0) } else { off };
+        let c = DVec3::from(o) + far * DVec3::new(d[0], d[1], 0.0).normalize() + off * across;
+        [o[0], o[1], o[2], d[0], d[1], d[2], c.x, c.y, o[2]]
+    },
+    exact: |x| (SPHERE.exact)(&flattened(x)),
+    ours: |x| {
+        let (c, reach) = (vector(&x[6..]), 4e8 * DVec3::Z);
+        let settings = ShapeSettings::Cylinder { p0: c - reach, p1: c + reach, radius: 1.0 };
+        let shape = Shape::new(&settings, &DAffine3::IDENTITY, false).ok();
+        let hit = shape.and_then(|shape| shape.intersect(0, &ray(x)));
+        [hit.map_or(-1.0, |h| f64::from(h.t))]
+    },
+    naive: ("b² − 4ac in single precision", |x| (SPHERE.naive.1)(&flattened(x))),
+    ..SPHERE
 };
 
 /// Distance and weights of the second and third vertex; −1 for a miss.

@@ -3,14 +3,16 @@
 use std::sync::{Arc, LazyLock};
 
 use glam::{DAffine3, DVec3};
+use renderer::render::Rendering;
+use renderer::sampling::SamplerKind;
 use renderer::scene::{Scene, SceneDescription};
-use verify::claim::{Claim, Level, claim};
-use verify::mean::{MeanClaim, joint_control, joint_evidence};
+use verify::claim::{Claim, Level, Run, claim};
+use verify::mean::{CONTROL_FACTOR, MeanClaim, joint_control, joint_evidence};
 
 use super::super::relation::{room, transformed};
+use super::routine::worst_case;
 use crate::bounds;
 use crate::setup::{built, fixed, image, mean, remembering};
-use renderer::sampling::SamplerKind;
 
 /// Samples a pixel and replicate.
 const SAMPLES: u32 = 16;
@@ -21,15 +23,45 @@ pub(super) fn claims() -> Vec<Claim> {
         |d: f64| DAffine3::from_translation(d * DVec3::new(1.0, -0.7, 0.3) + DVec3::new(0.37, 0.61, -0.43));
     let scale = |s: f64| DAffine3::from_scale(DVec3::splat(s));
     let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
-    [
-        same("translated-1e5", "1e5 away from the origin", shift(1e5)),
-        same("translated-1e7", "1e7 away from the origin", shift(1e7)),
-        same("scaled-1e-6", "a millionth as large", scale(1e-6)),
-        same("scaled-1e6", "a million times as large", scale(1e6)),
-        same("mirrored", "mirrored", mirror),
-    ]
-    .map(|claim| claim.from_level(Level::Standard))
-    .into()
+    let moved = [
+        ("translated-1e5", "1e5 away from the origin", shift(1e5)),
+        ("translated-1e7", "1e7 away from the origin", shift(1e7)),
+        ("scaled-1e-6", "a millionth as large", scale(1e-6)),
+        ("scaled-1e6", "a million times as large", scale(1e6)),
+    ];
+    // A mirrored surface's frame is another, so that its pixels have noise of their own.
+    let means = moved.into_iter().chain([("mirrored", "mirrored", mirror)]);
+    let means = means.map(|(id, how, outer)| same(id, how, outer).from_level(Level::Standard));
+    means.chain(moved.map(|(id, how, outer)| alike(id, how, outer))).collect()
+}
+
+/// The mean absolute difference of two images' pixels, over the mean of the first.
+fn apart(a: &Rendering, b: &Rendering) -> f64 {
+    let values = |image: &Rendering| image.pixels.iter().flat_map(|p| p.mean).collect::<Vec<f64>>();
+    let (a, b) = (values(a), values(b));
+    let apart: f64 = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).sum();
+    apart / a.iter().sum::<f64>()
+}
+
+/// The image of the same seed, pixel by pixel.
+fn alike(id: &'static str, how: &'static str, outer: DAffine3) -> Claim {
+    let trial = move |run: &Run, brighter: f64, moved: fn(DAffine3) -> SceneDescription| {
+        let [there, mut here] = [lit(), moved(outer)]
+            .map(|description| image(&built(&description), SamplerKind::Sobol, SAMPLES, run.seed));
+        here.pixels.iter_mut().for_each(|p| p.mean = p.mean.map(|m| brighter * m));
+        let n = here.pixels.iter().map(|p| p.samples).sum();
+        Ok(worst_case("mean difference of pixels", apart(&there, &here), n, bounds::INVARIANCE, None))
+    };
+    let says = format!("pixels of a scene {how} are the same within 0.2 % in the mean");
+    let exact: fn(DAffine3) -> SceneDescription = |outer| transformed(lit(), outer);
+    let claim = claim(format!("stable/invariance/{id}-pixels"), says)
+        .rejects("2.2 × bound", move |run| trial(run, 1.0 + CONTROL_FACTOR * bounds::INVARIANCE, exact));
+    let claim = if id == "translated-1e7" {
+        claim.rejects("translations in single precision", move |run| trial(run, 1.0, in_single))
+    } else {
+        claim
+    };
+    claim.by(move |run| trial(run, 1.0, exact))
 }
 
 /// The room without inter-reflection, which would only add noise.

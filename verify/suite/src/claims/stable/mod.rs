@@ -8,9 +8,12 @@ use routine::Routine;
 
 mod arithmetic;
 mod bits;
+mod dropped;
+mod facets;
 mod geometry;
 mod hard;
 mod invariance;
+mod lights;
 mod numbers;
 mod reflection;
 mod routine;
@@ -33,21 +36,23 @@ impl<const N: usize, const M: usize> From<Routine<N, M>> for Entry {
 }
 
 fn entries() -> impl Iterator<Item = Entry> {
-    [
+    let rest = [
         arithmetic::entries(),
         warps::entries(),
         reflection::entries(),
         geometry::entries(),
         solid_angle::entries(),
-    ]
-    .into_iter()
-    .flatten()
+        facets::entries(),
+        lights::entries(),
+    ];
+    std::iter::once(bits::entry()).chain(rest.into_iter().flatten())
 }
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    let scenes = [watertight::claims(), spawn::claims(), invariance::claims(), hard::claims()];
-    let routines = entries().map(|entry| entry.claim).chain(bits::claims()).chain(arithmetic::long_sums());
+    let scenes =
+        [watertight::claims(), spawn::claims(), invariance::claims(), hard::claims(), dropped::claims()];
+    let routines = entries().map(|entry| entry.claim).chain(arithmetic::long_sums());
     routines.chain(scenes.into_iter().flatten()).collect()
 }
 

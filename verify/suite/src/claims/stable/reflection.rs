@@ -62,7 +62,7 @@ fn near(n: &Numbers, x: f32) -> f32 {
 }
 
 /// Reflectance, transmittance, cosine of the refracted direction (0 on total reflection).
-const DIELECTRIC: Routine<2, 3> = Routine {
+pub(super) const DIELECTRIC: Routine<2, 3> = Routine {
     id: "dielectric/everywhere",
     says: "Fresnel's reflectance, transmittance and refracted angle are right to half a last place, from both sides",
     unit: "ulp",

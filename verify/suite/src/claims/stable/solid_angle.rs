@@ -50,7 +50,13 @@ const TRIANGLE: Routine<9, 1> = Routine {
         [exact.max(size * 1e-7)]
     },
     table: tables::TRIANGLE_SOLID_ANGLE,
-    corners: &[[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0], [1.0, 0.0, 1.0, 2.0, 0.0, 2.0, 0.0, 1.0, 0.0]],
+    corners: &[
+        // In its plane, in the plane through a corner, on a corner, on an edge.
+        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0],
+        [1.0, 0.0, 1.0, 2.0, 0.0, 2.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+    ],
     draw: |n| {
         let size = n.log(1e-6, 1e3);
         around(n, size)
@@ -78,7 +84,8 @@ const RECTANGLE: Routine<5, 1> = Routine {
     bound: 2e-9,
     one: |_, exact| *exact,
     table: tables::RECTANGLE_SOLID_ANGLE,
-    corners: &[[-1.0, -1.0, 1.0, 1.0, 1.0]],
+    // Over the middle, over a corner, over an edge.
+    corners: &[[-1.0, -1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 1.0, 1.0, 1e-8], [-1.0, 0.0, 1.0, 1.0, 1e-8]],
     draw: |n| {
         let [x0, y0] = [n.between(-2.0, 2.0), n.between(-2.0, 2.0)];
         [x0, y0, x0 + n.log(1e-3, 10.0), y0 + n.log(1e-3, 10.0), n.log(1e-3, 1e3)]
@@ -105,7 +112,7 @@ const RECTANGLE: Routine<5, 1> = Routine {
 
 const TRIANGLE_PLACE: Routine<10, 1> = Routine {
     id: "solid-angle/triangle-sampler",
-    says: "the sampler of a triangle leaves the share u of its solid angle to one side, from 1e-10 sr on",
+    says: "the sampler of a triangle leaves the share u of its solid angle to one side, from 1e-12 sr on",
     unit: "share of the solid angle",
     bound: 1e-6, // What the routine promises; numbers of 24 digits have steps of 6e-8.
     one: |_, _| [1.0],
@@ -113,7 +120,7 @@ const TRIANGLE_PLACE: Routine<10, 1> = Routine {
     corners: &[],
     draw: |n| {
         // Seen from outside: more than a hundredth of its size away from its plane.
-        let size = n.log(1e-5, 3.0);
+        let size = n.log(1e-6, 3.0);
         let x = open_triangle(n, size);
         std::array::from_fn(|i| if i < 9 { x[i] } else { n.sampler() })
     },
@@ -145,14 +152,14 @@ fn place(x: &[f64; 10], share: impl Fn(&SphericalTriangle, f64) -> f64) -> [f64;
 
 const RECTANGLE_PLACE: Routine<6, 1> = Routine {
     id: "solid-angle/rectangle-sampler",
-    says: "the sampler of a rectangle leaves the share u of its solid angle to one side, from 1e-10 sr on",
+    says: "the sampler of a rectangle leaves the share u of its solid angle to one side, from 1e-12 sr on",
     unit: "share of the solid angle",
     bound: 1e-6, // As for triangles.
     one: |_, _| [1.0],
     table: tables::NONE,
     corners: &[],
     draw: |n| {
-        let size = n.log(1e-5, 3.0);
+        let size = n.log(3e-6, 3.0);
         let [x0, y0] = [n.between(-2.0, 2.0), n.between(-2.0, 2.0)];
         [x0, y0, x0 + size, y0 + size * n.log(0.1, 10.0), n.log(0.1, 10.0), n.sampler()]
     },

@@ -14,10 +14,10 @@ use super::numbers::Numbers;
 use super::routine::single;
 
 /// Rays from each shape.
-const RAYS: u64 = 1000;
+const RAYS: usize = 1000;
 
 /// Of which so many from one point.
-const DIRECTIONS: u64 = 25;
+const DIRECTIONS: usize = 25;
 
 /// Distance of a neighbour that must be met, relative to the largest coordinate of shape and point.
 const NEIGHBOUR: f64 = 1e-4;
@@ -123,12 +123,14 @@ fn judge(
     for index in 0.. {
         let n = Numbers::new(run.seed, index);
         let Some(shape) = shape(&n) else { continue };
-        for point in 0..RAYS / DIRECTIONS {
-            let n = Numbers::new(run.seed, index << 32 | point << 16);
-            let Some(met) = Met::on(&shape, &n) else { continue };
-            for ray in 0..DIRECTIONS {
-                let direction = Numbers::new(run.seed, index << 32 | point << 16 | (ray + 1)).direction();
-                let Some(is_bad) = bad(&shape, &met, direction.as_vec3()) else { continue };
+        // Some places are missed by the ray that looks for them, and some directions say nothing: others take their place.
+        let places = (0..4 * RAYS / DIRECTIONS).map(|point| index << 32 | (point as u64) << 16);
+        let met = places.filter_map(|place| Some((place, Met::on(&shape, &Numbers::new(run.seed, place))?)));
+        for (place, met) in met.take(RAYS / DIRECTIONS) {
+            let directions =
+                (1..=4 * DIRECTIONS).map(|ray| Numbers::new(run.seed, place | ray as u64).direction());
+            let answers = directions.filter_map(|direction| bad(&shape, &met, direction.as_vec3()));
+            for is_bad in answers.take(DIRECTIONS) {
                 count += u64::from(is_bad);
                 trials += 1;
             }

@@ -9,6 +9,7 @@ macro_rules! table {
 /// No table.
 pub(super) const NONE: &str = "";
 
+pub(super) const BECKMANN: &str = table!("beckmann");
 pub(super) const BLUR_DISK: &str = table!("blur_disk");
 pub(super) const CONDUCTOR: &str = table!("conductor");
 pub(super) const CONE: &str = table!("cone");
@@ -16,6 +17,7 @@ pub(super) const DIELECTRIC: &str = table!("dielectric");
 pub(super) const DIFFERENCE_OF_PRODUCTS: &str = table!("difference_of_products");
 pub(super) const DISCRETE: &str = table!("discrete");
 pub(super) const GGX: &str = table!("ggx");
+pub(super) const GROUND_GLASS: &str = table!("ground_glass");
 pub(super) const HALF_VECTOR: &str = table!("half_vector");
 pub(super) const ONE_MINUS_COS: &str = table!("one_minus_cos");
 pub(super) const PHONG: &str = table!("phong");
@@ -24,6 +26,7 @@ pub(super) const POWER_HEURISTIC: &str = table!("power_heuristic");
 pub(super) const RECTANGLE_SOLID_ANGLE: &str = table!("rectangle_solid_angle");
 pub(super) const ROTATION: &str = table!("rotation");
 pub(super) const SPHERE: &str = table!("sphere");
+pub(super) const SPHERE_SOLID_ANGLE: &str = table!("sphere_solid_angle");
 #[cfg(test)]
 pub(super) const TRIANGLE: &str = table!("triangle");
 pub(super) const TRIANGLE_SOLID_ANGLE: &str = table!("triangle_solid_angle");

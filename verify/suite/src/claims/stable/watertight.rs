@@ -32,8 +32,8 @@ pub(super) fn claims() -> Vec<Claim> {
             let bound = 5e-4;
             judge(moves, run, share::trials_for(bound)? * run.effort, bound)
         };
-        // 1.1e7 rays at the standard level, 9e7 at the exhaustive one.
-        let many = move |run: &Run| judge(moves, run, 11_000_000 * run.effort, 1e-6);
+        // 1e8 rays at the exhaustive level.
+        let many = move |run: &Run| judge(moves, run, 12_500_000 * run.effort, 1e-6);
         [
             claim(format!("stable/watertight/{name}"), says.clone())
                 .rejects("Möller and Trumbore in single precision", move |run| naive(moves, run))
