@@ -93,7 +93,7 @@ const SPHERE: Routine<9, 1> = Routine {
 /// How far the point of a hit is from its sphere, as a share of the error bound that it carries.
 const SPHERE_POINT: Routine<9, 1> = Routine {
     id: "sphere/point",
-    says: "the point of a hit lies within its own error bound of the sphere, from up to 1e8 radii away",
+    says: "the point of a hit lies within its own error bound of the sphere, from up to 1e7 radii away",
     unit: "the point's error bound",
     bound: 1.0, // The bound's own claim.
     one: |x, _| {
@@ -106,7 +106,15 @@ const SPHERE_POINT: Routine<9, 1> = Routine {
     },
     table: tables::NONE,
     corners: &[],
-    draw: SPHERE.draw,
+    draw: |n| {
+        let mut x = (SPHERE.draw)(n);
+        // From 2²⁴ radii on a place is rounded by more than the radius, and nothing lies near the sphere.
+        let (o, c) = (vector(&x[..3]), vector(&x[6..]));
+        if (c - o).length() > 1e7 {
+            x[6..].copy_from_slice(&(o + 0.1 * (c - o)).to_array());
+        }
+        x
+    },
     draws: 2048,
     exact: |_| [0.0],
     ours: |x| {

@@ -86,14 +86,14 @@ pub(super) const DIELECTRIC: Routine<2, 3> = Routine {
         if q2 <= 0.0 || c == 0.0 {
             return [1.0, 0.0, 0.0];
         }
-        // By amplitudes: r from the angles' ratios, t from 1 − r² = 4ab/(a + b)².
-        let q = q2.sqrt();
-        let of = |a: f64, b: f64| {
-            let sum = a + b;
-            [((a - b) / sum).powi(2), 4.0 * (a / sum) * (b / sum)]
-        };
-        let [[rs, ts], [rp, tp]] = [of(c, q), of(far * c, q / far)];
-        [0.5 * (rs + rp), 0.5 * (ts + tp), q / far]
+        // By amplitudes: r from (a − b)/(a + b), t from 1 − r² = 4ab/(a + b)², with a, b of c, q and of far·c, q/far. Both a − b
+        // have the factor far² − 1 = q² − c², which is 1e-7 at an index as near to 1 and would lose 1e-9 as a difference.
+        let (q, sum) = (q2.sqrt(), c + q2.sqrt());
+        let apart = if *cos < 0.0 { beyond / (eta * eta) } else { beyond };
+        let rs = apart / (sum * sum);
+        let rp = apart * (c - 1.0 / sum) / (far * far * c + q);
+        let passed = |a: f64, b: f64| 4.0 * (a / (a + b)) * (b / (a + b));
+        [0.5 * (rs * rs + rp * rp), 0.5 * (passed(c, q) + passed(far * c, q / far)), q / far]
     },
     ours: |x| {
         let [cos, eta] = x.map(single);
