@@ -20,7 +20,7 @@ fn calibration(c: &mut Criterion) {
         bits ^ (bits as f64).sqrt().to_bits()
     };
     c.bench_function("calibration/loop", |b| {
-        b.iter(|| (0..POINTS).fold(black_box(1), |state, _| mix(state)))
+        b.iter(|| (0..POINTS).fold(black_box(1), |state, _| mix(state)));
     });
 }
 
