@@ -2,7 +2,7 @@
 
     python scripts/compare_analytic.py SCENES [--program target/release/lightproof] [NAME …]
 
-SCENES is the folder of `lightproof analytic`; the names default to five scenes of different effects. Each is rendered from several
+SCENES is the folder of `lightproof analytic`; the names default to eight scenes of different effects. Each is rendered from several
 seeds, which tell their own errors, and `lightproof compare` judges them. Status 1 if one is not the same.
 """
 import argparse
@@ -12,9 +12,9 @@ import sys
 
 import mitsuba as mi
 
-NAMES = ["lit-by-rectangle", "lit-by-sphere", "penumbra", "defocused-edge", "furnace"]
+NAMES = ["edge-box", "zone-plate", "lit-by-rectangle", "lit-by-sphere", "penumbra", "ball-shadow", "defocused-edge", "furnace"]
 
-SEEDS = 8
+SEEDS = 32
 
 # Largest difference of the means in percent: that of the claims, 0.2 % of a scene's scale, where half of the image is bright.
 MAX_BIAS = 0.4
@@ -31,7 +31,7 @@ def main() -> int:
     parser.add_argument("scenes", type=pathlib.Path)
     parser.add_argument("names", nargs="*", default=NAMES)
     parser.add_argument("--program", default="target/release/lightproof")
-    parser.add_argument("--spp", type=int, default=2048)
+    parser.add_argument("--spp", type=int, default=1024)
     args = parser.parse_args()
     mi.set_variant("scalar_rgb")
     status = 0

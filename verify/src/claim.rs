@@ -74,6 +74,7 @@ pub struct Claim {
     bound: Option<f64>,
     criterion: Criterion,
     first_level: Level,
+    unraised: Level,
     trial: Trial<'static>,
     controls: Vec<(String, Trial<'static>)>,
 }
@@ -135,7 +136,8 @@ impl ClaimBuilder {
     /// Completes the claim with the trial of its subject.
     pub fn by(self, trial: impl Fn(&Run) -> Result<Evidence, InputError> + Send + Sync + 'static) -> Claim {
         let Self { id, says, bound, criterion, controls } = self;
-        Claim { id, says, bound, criterion, first_level: Level::Quick, trial: Box::new(trial), controls }
+        let (first_level, trial) = (Level::Quick, Box::new(trial));
+        Claim { id, says, bound, criterion, first_level, unraised: first_level, trial, controls }
     }
 }
 
@@ -155,6 +157,14 @@ impl Claim {
     /// For what costs too much for the quick level, or repeats there what a cheaper claim shows.
     pub fn from_level(mut self, level: Level) -> Self {
         self.first_level = level;
+        self.same_up_to(level)
+    }
+
+    /// Keeps the sample count of its first level up to `level`; above, it rises as from there.
+    ///
+    /// For what is settled as it is, and has no sharper bound to reach.
+    pub fn same_up_to(mut self, level: Level) -> Self {
+        self.unraised = self.unraised.max(level);
         self
     }
 
@@ -163,9 +173,9 @@ impl Claim {
         self.first_level
     }
 
-    /// The factor on the claim's own sample count at `level`; 1 below its first level.
+    /// The factor on the claim's own sample count at `level`.
     fn effort(&self, level: Level) -> u64 {
-        (level.effort() / self.first_level.effort()).max(1)
+        (level.effort() / self.unraised.effort()).max(1)
     }
 
     /// The names of its controls.
@@ -337,9 +347,12 @@ mod tests {
     #[test]
     fn a_claim_from_a_level_on_has_its_own_sample_count_there() {
         let trial = |run: &Run| Ok(Evidence { n: run.effort, ..found(0.5, [0.0, 0.1]) });
-        let claim = claim("a/b/c", "").by(trial).from_level(Level::Standard);
-        let n = |level| claim.run(0, level).expect("runs").evidence.n;
-        assert_eq!([Level::Quick, Level::Standard, Level::Exhaustive].map(n), [1, 1, 8]);
+        let counts = |claim: Claim| {
+            let n = |level| claim.run(0, level).expect("runs").evidence.n;
+            [Level::Quick, Level::Standard, Level::Exhaustive].map(n)
+        };
+        assert_eq!(counts(claim("a/b/c", "").by(trial).from_level(Level::Standard)), [1, 1, 8]);
+        assert_eq!(counts(claim("a/b/c", "").by(trial).same_up_to(Level::Standard)), [1, 1, 8]);
     }
 
     #[test]

@@ -23,6 +23,7 @@ mod tests {
     use super::super::quadrature::{kernel, over_square};
     use super::super::{Receiver, from_polygon};
     use super::*;
+    use proptest::prelude::*;
     use std::f64::consts::PI;
 
     fn receiver(offset: f64) -> Receiver {
@@ -56,6 +57,25 @@ mod tests {
             let ratio = from_parallel_disk(0.8, 1.3, offset) / from_polygon(receiver(offset), &polygon);
             // The inscribed polygon is smaller by (2π/n)²/6 = 1.6e-8, weighted by the rim's share of the light.
             assert!((ratio - 1.0).abs() < 4e-8, "{offset}: {ratio}");
+        }
+    }
+
+    proptest! {
+        /// The inscribed polygon of n sides lacks the share (2π/n)²/6 of the area, which gives at most 1/h² each.
+        #[test]
+        fn agrees_with_an_inscribed_polygon(
+            radius in 0.01..3.0_f64, height in 0.3..3.0_f64, offset in 0.0..6.0_f64,
+        ) {
+            let sides = 2000_u32;
+            let corner = |i: u32| {
+                let angle = 2.0 * PI * f64::from(i) / f64::from(sides);
+                [radius * angle.cos(), radius * angle.sin(), height]
+            };
+            let polygon: Vec<_> = (0..sides).map(corner).collect();
+            let lacks = from_parallel_disk(radius, height, offset) - from_polygon(receiver(offset), &polygon);
+            let share = (2.0 * PI / f64::from(sides)).powi(2) / 6.0;
+            // 2,000 terms round by 1e-16 each.
+            prop_assert!(lacks > -1e-12 && lacks < share * PI * (radius / height).powi(2) + 1e-12);
         }
     }
 

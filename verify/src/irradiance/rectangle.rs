@@ -74,5 +74,20 @@ mod tests {
             prop_assert!((from_parallel_rectangle(wide, high, c) - from_polygon(UP, &flat)).abs() < 1e-13);
             prop_assert!((from_perpendicular_rectangle(wide, high, c) - from_polygon(UP, &upright)).abs() < 1e-13);
         }
+
+        /// Sizes from 1e-4 to 1e4 of the distance.
+        #[test]
+        fn agrees_with_the_polygon_formula_at_any_size(
+            x in -3.0..3.0_f64, y in -3.0..3.0_f64, a in -4.0..4.0_f64, b in -4.0..4.0_f64,
+        ) {
+            let (a, b) = (10.0_f64.powf(a), 10.0_f64.powf(b));
+            let flat = [[x, y, 1.0], [x + a, y, 1.0], [x + a, y + b, 1.0], [x, y + b, 1.0]];
+            let upright = [[x, 1.0, y], [x + a, 1.0, y], [x + a, 1.0, y + b], [x, 1.0, y + b]];
+            let (wide, high) = ([x, x + a], [y, y + b]);
+            // Products of corners up to 1e4 away, 1e8, round by 1e-8; over an edge's sine, its length 1e4 times a distance of at
+            // least 1, that is 1e-12, twelve times.
+            prop_assert!((from_parallel_rectangle(wide, high, 1.0) - from_polygon(UP, &flat)).abs() < 2e-11);
+            prop_assert!((from_perpendicular_rectangle(wide, high, 1.0) - from_polygon(UP, &upright)).abs() < 2e-11);
+        }
     }
 }

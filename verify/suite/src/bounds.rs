@@ -21,6 +21,9 @@ pub const RECORDED: f64 = 0.02;
 pub const FILTER_MOMENT: f64 = 0.002;
 
 /// Largest difference of two renders that should have the same mean, relative to it.
+///
+/// A room seen along paths of up to four edges: 2,048 samples a replicate leave its mean an error of 1 %, and 0.2 % would take twenty-five times as
+/// many. What keeps every bit is held to [`INVARIANCE`], what shows one point to [`ESTIMATORS`].
 pub const RELATION: f64 = 0.02;
 
 /// Largest difference of two ways to estimate the same direct light, relative to it.
@@ -38,6 +41,8 @@ pub const LOBE: f64 = 0.03;
 pub const SOLID_ANGLE: f64 = 0.005;
 
 /// Largest difference between the share of dropped directions and what a density's integral leaves for it.
+///
+/// A share p of n directions has an error of √(p/n); of 1,024 even ones in each of 32 replicates at a tenth dropped, 0.05 %, and limits of 5 of them.
 pub const MASS: f64 = 0.003;
 
 /// Largest relative error of a mean weight against the integral of f·cos θ.
@@ -47,6 +52,8 @@ pub const ALBEDO: f64 = 0.003;
 pub const FRESNEL: f64 = 0.002;
 
 /// Largest relative difference between the means of two ways to treat a surface that reflects and refracts.
+///
+/// Weights of one of two halves double at each boundary: at equal time their noise is more than twice that of a furnace.
 pub const BRANCH: f64 = 0.005;
 
 /// Largest relative error of a furnace's radiance.
@@ -125,13 +132,17 @@ pub const FLUX: f64 = 0.002;
 pub const SPREAD: f64 = 0.01;
 
 /// Largest error of the variance of picking a branch, in units of that of two halves.
+///
+/// The variance of 32 images of 1,024 pixels has a relative standard error of up to √(2/32768) = 0.8 %.
 pub const BRANCH_VARIANCE: f64 = 0.02;
 
 /// Largest relative error of an integrating sphere's radiance: paths of many bounces in the uneven light of points.
 pub const INTEGRATING_SPHERE: f64 = 0.01;
 
-/// Largest relative error of the number of rays under roulette.
+/// Largest relative error of the number of rays under roulette, which varies by more than half of itself from path to path.
 pub const ROULETTE: f64 = 0.005;
 
 /// Largest difference between a variance and twice that of twice the samples, relative.
+///
+/// A variance from 480 pairs of images of 64 pixels, some much noisier than others, has a relative standard error of about 1.2 %, a difference 1.7 %.
 pub const HALVED: f64 = 0.1;

@@ -226,6 +226,9 @@ pub fn half_plane(distance: f64, angle: f64) -> ObjectSettings {
     lamp(ShapeSettings::Rectangle, rectangle_at((distance - 1e3) * normal, 1e3 * normal, 1e3 * along))
 }
 
+/// Where the eye of [`receiver`] is.
+pub const RECEIVER_EYE: DVec3 = DVec3::new(0.003, 0.002, 0.004);
+
 /// A white diffuse receiver at the origin with its normal along +z, lit by `lamps`, and an eye close to it: its
 /// radiance times π is the irradiance at the origin.
 ///
@@ -236,7 +239,7 @@ pub fn receiver(lamps: Vec<ObjectSettings>) -> SceneDescription {
     let mut objects = vec![thing(ShapeSettings::Rectangle, plate, diffuse(1.0))];
     objects.extend(lamps);
     let integrator = IntegratorSettings { strategy: Strategy::Light, ..IntegratorSettings::DIRECT };
-    spot(DVec3::new(0.003, 0.002, 0.004), DVec3::ZERO, objects, integrator)
+    spot(RECEIVER_EYE, DVec3::ZERO, objects, integrator)
 }
 
 /// The scene of `description`.

@@ -169,9 +169,9 @@ fn moving() -> Analytic {
 
 fn furnace() -> Analytic {
     let size = [4, 4];
-    let says = "The inside of a sphere that emits 1 and reflects half, in paths of at most 6 edges";
-    let content = r#"  <shape type="sphere">
-    <float name="radius" value="2"/>
+    let says = "The inside of a box that emits 1 and reflects half, in paths of at most 6 edges";
+    let content = r#"  <shape type="cube">
+    <transform name="to_world"><scale value="2"/></transform>
     <boolean name="flip_normals" value="true"/>
     <bsdf type="diffuse"><rgb name="reflectance" value="0.5, 0.5, 0.5"/></bsdf>
     <emitter type="area"><rgb name="radiance" value="1, 1, 1"/></emitter>

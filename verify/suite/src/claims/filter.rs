@@ -51,6 +51,7 @@ pub(super) fn claims() -> Vec<Claim> {
         })
         .chain([edge::representative(), wave::zone_plate()])
         .chain(weighted::claims())
+        .map(|claim| claim.same_up_to(Level::Standard))
         .collect()
 }
 

@@ -31,7 +31,7 @@ pub(super) fn claims() -> Vec<Claim> {
     list.extend(later.map(|surface| white(surface).from_level(Level::Standard)));
     list.push(glass_sphere());
     list.extend(many::claims());
-    list
+    list.into_iter().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }
 
 /// Rounding of paths of a few bounces in single precision: 16 roundings of 2⁻²⁴ that all agree.
@@ -153,9 +153,10 @@ impl Surface {
         }
     }
 
-    /// Which paths: inside a ball of panes, where none is absorbed, without roulette, so that all find the same.
+    /// Which paths: inside a ball, where none is absorbed, without roulette, so that all find the same.
     fn paths(self) -> IntegratorSettings {
-        let rr_depth = if matches!(self, Self::Pane) { 100 } else { IntegratorSettings::PATH.rr_depth };
+        let rr_depth =
+            if matches!(self, Self::Pane | Self::Mask) { 100 } else { IntegratorSettings::PATH.rr_depth };
         IntegratorSettings { rr_depth, ..IntegratorSettings::PATH }
     }
 
@@ -164,7 +165,8 @@ impl Surface {
         match self {
             Self::Pane => 64,
             Self::Diffuse | Self::Plastic | Self::Mask => 512,
-            Self::Rough | Self::RoughPlastic => 1024,
+            Self::Rough => 1024,
+            Self::RoughPlastic => 3072,
             Self::Phong | Self::Blurred => 2048,
         }
     }

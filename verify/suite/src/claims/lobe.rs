@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
 use renderer::materials::{Beckmann, Branch, Bsdf, Facets, Ggx, Material};
-use verify::claim::Claim;
+use verify::claim::{Claim, Level};
 use verify::domain::{Directions, Domain};
 use verify::quadrature::{Tolerance, integrate_2d};
 
@@ -14,10 +14,13 @@ use crate::setup;
 pub(super) mod closed_form;
 mod density;
 mod directions;
+mod fuzzy;
+mod white;
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    [directions::claims(), density::claims()].into_iter().flatten().collect()
+    let all = [directions::claims(), density::claims(), fuzzy::claims(), white::claims()];
+    all.into_iter().flatten().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }
 
 /// Roughness of the sharp and the broad metal.

@@ -18,8 +18,8 @@ use crate::setup::{built, diffuse, flat_at, image, lamp, pixel_middles, rectangl
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
     vec![
-        half_plane("shadow/half-plane/large", "a large light", &LARGE, (Level::Standard, 4096)),
-        half_plane("shadow/half-plane/small", "a small light", &SMALL, (Level::Standard, 4096)),
+        half_plane("shadow/half-plane/large", "a large light", &LARGE, (Level::Standard, 1536)),
+        half_plane("shadow/half-plane/small", "a small light", &SMALL, (Level::Standard, 1536)),
         half_plane("shadow/half-plane/quick", "a large light", &LARGE, (Level::Quick, 64)),
         rectangle(),
         ball(),
@@ -150,7 +150,7 @@ fn rectangle() -> Claim {
             "the floor behind a rectangle shows the irradiance of the polygon that is seen of the light",
         ),
         level: Level::Standard,
-        samples: 4096,
+        samples: 2560,
         unit: behind_half_plane(LARGE.light.map(|a| [-a, a]), HEIGHTS, -99.0, [0.0; 2]) / PI,
         bound: bounds::PIXEL,
         right: RIGHT,
@@ -227,4 +227,5 @@ fn umbra() -> Claim {
         .rejects("the light 5 % wider", move |run| lit(run, 2.1))
         .rejects("light from the blocker's other side", move |run| lit(run, 6.0))
         .by(move |run| lit(run, 2.0))
+        .same_up_to(Level::Standard)
 }

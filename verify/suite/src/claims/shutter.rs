@@ -23,7 +23,7 @@ use crate::setup::{built, flat, half_plane, image, lamp, mean, pixel_middles, re
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
     vec![
-        time(),
+        time().same_up_to(Level::Standard),
         edge("shutter/edge/box", Opening::Box, (Level::Standard, 2048)),
         edge("shutter/edge/triangle", Opening::Triangle, (Level::Standard, 2048)),
         edge("shutter/edge/quick", Opening::Box, (Level::Quick, 64)),

@@ -13,7 +13,7 @@ use crate::bounds;
 use crate::setup::{built, flat, half_plane, image};
 
 /// Side of the images: one sample a pixel makes as many weights.
-const SIDE: u32 = 64;
+const SIDE: u32 = 80;
 
 /// An image of light 1 everywhere.
 fn bright(filter: Filter) -> Scene {

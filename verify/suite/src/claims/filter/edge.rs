@@ -10,7 +10,7 @@ use crate::bounds;
 use crate::setup::{flat, half_plane, pixel_middles};
 
 /// Pixels of a row.
-const ROW: [u32; 2] = [12, 1];
+const ROW: [u32; 2] = [8, 1];
 
 /// Angles of the edges' normals to the row: upright, leaning, and nearly along the row, where the blur spans it.
 const ANGLES: [f64; 3] = [0.0, 0.4, 1.1];
@@ -55,8 +55,10 @@ pub(super) fn any_angle(name: &'static str, filter: Filter) -> Claim {
         says: format!("pixels along an edge at any angle are the {name} filter's share of the half-plane"),
         level: Level::Standard,
         samples: match filter {
-            Filter::Mitchell { .. } | Filter::Lanczos { .. } => 6144,
-            _ => 4096,
+            Filter::Mitchell { b: 0.0, .. } => 2048, // to a coarser bound
+            Filter::Mitchell { .. } | Filter::Lanczos { .. } => 4096,
+            Filter::Gaussian { .. } => 2560,
+            Filter::Box { .. } | Filter::Tent { .. } => 1536,
         },
         unit: 1.0,
         bound: super::pixel_bound(name),

@@ -86,7 +86,11 @@ pub(super) fn response(name: &'static str, filter: Filter) -> Claim {
             "waves of 0.1 to 0.8 a pixel keep the amplitude that the {name} filter's transform says"
         ),
         level: Level::Standard,
-        samples: if filter.radius() < 2.0 || matches!(filter, Filter::Gaussian { .. }) { 1024 } else { 4096 },
+        samples: match filter {
+            Filter::Lanczos { .. } => 3072,
+            Filter::Mitchell { .. } => 1536,
+            _ => 1024,
+        },
         unit: 1.0,
         bound: super::pixel_bound(name),
         right: (filter, 1.0),
@@ -96,13 +100,13 @@ pub(super) fn response(name: &'static str, filter: Filter) -> Claim {
 }
 
 /// Side of the zone plate's film, whose lower left corner is its middle.
-const PLATE: u32 = 6;
+const PLATE: u32 = 4;
 
-/// Square of the innermost ring's radius: rings are 2 pixels wide there and 0.24 in the far corner.
+/// Square of the innermost ring's radius: rings are 2 pixels wide there and 0.36 in the far corner.
 const INNERMOST: f64 = 4.0;
 
 /// Number of rings, the outermost bright and beyond the far corner.
-const RINGS: u32 = 19;
+const RINGS: u32 = 9;
 
 fn ring(n: u32) -> f64 {
     (INNERMOST * f64::from(n)).sqrt()

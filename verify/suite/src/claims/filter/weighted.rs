@@ -56,7 +56,7 @@ const COUNTS: [u32; 2] = [10, 16];
 const EDGE: f64 = 0.6;
 
 /// Pixels along the edge, which all see the same.
-const PIXELS: u32 = 1900;
+const PIXELS: u32 = 1000;
 
 /// Of the filters without negative lobes (with them Σf near 0 leaves no moments) the one whose bias is the largest.
 const GAUSSIAN: Filter = Filter::Gaussian { stddev: 0.5 };

@@ -65,7 +65,7 @@ fn squared_index() -> Claim {
     };
     let subject = || {
         let scenes = LazyLock::new(|| COSINES.map(|z| built(&boundary(z, Branch::Fresnel, 1))));
-        remembering(move |i, seed| radiance(&scenes[i], 4096, seed))
+        remembering(move |i, seed| radiance(&scenes[i], 1024, seed))
     };
     let right = Arc::new(subject());
     let (control, without, once) = (right.clone(), right.clone(), right.clone());
@@ -81,7 +81,7 @@ fn squared_index() -> Claim {
 }
 
 /// Side of the film all of whose pixels see the same: one sample each.
-const SIDE: u32 = 64;
+const SIDE: u32 = 32;
 
 /// The unbiased variance over the film's pixels.
 fn spread(scene: &Scene, seed: u64) -> f64 {

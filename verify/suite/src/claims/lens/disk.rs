@@ -129,7 +129,7 @@ fn flux() -> Claim {
         let scenes = LazyLock::new(move || APERTURES.map(|a| built(&disk(SIZE, factor * a, DEPTH))));
         remembering(move |i, seed| moments(&scenes[i / 2], samples, seed)[i % 2])
     };
-    let right = Arc::new(subject(1.0, 1536));
+    let right = Arc::new(subject(1.0, 1024));
     let (control, wide) = (right.clone(), subject(1.1, 256));
     claim(
         "lens/flux/any-aperture",
