@@ -1,6 +1,6 @@
 //! A mean against its exact value: Student's t over independent replicates.
 
-use crate::claim::{Evidence, Resolution, Run};
+use crate::claim::{Evidence, Picture, Resolution, Run};
 use crate::error::InputError;
 use crate::estimate::{Estimate, Replicate};
 use crate::seeds::derive;
@@ -181,7 +181,21 @@ pub fn judge(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Result<Evidence
             power: POWER,
         },
         doubts,
-        pictures: Vec::new(),
+        pictures: picture(claims, values).into_iter().collect(),
+    })
+}
+
+/// The means in order, each with its error and rounding, on the exact values; none of a single claim.
+fn picture(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Option<Picture> {
+    let number = |i: usize| (i + 1) as f64;
+    let point = |(i, (claim, replicates)): (usize, (&MeanClaim, &Vec<Replicate>))| {
+        let estimate = Estimate::of(replicates);
+        [number(i), estimate.mean, estimate.standard_error.hypot(claim.rounding * claim.unit)]
+    };
+    (claims.len() > 1).then(|| Picture::Curve {
+        axes: ["configuration", "mean"],
+        exact: claims.iter().enumerate().map(|(i, claim)| [number(i), claim.exact]).collect(),
+        measured: claims.iter().zip(values).enumerate().map(point).collect(),
     })
 }
 

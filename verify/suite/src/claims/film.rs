@@ -153,12 +153,35 @@ impl Test {
                 let replicates = 0..values[0].len();
                 means.push(replicates.map(|r| Replicate::from(mean(&|i| values[i][r]))).collect());
             }
-            pictures.push(picture(exact, values));
+            pictures.push(self.picture(exact, values));
         }
         let mut evidence = judge(&claims, &means)?;
         evidence.resolution.quantity = "error of a pixel";
         evidence.pictures = pictures;
         Ok(evidence)
+    }
+
+    fn picture(&self, exact: &Exact, values: &[Vec<f64>]) -> Picture {
+        let point = |(pixel, values): (&[f64; 2], &Vec<f64>)| {
+            let replicates: Vec<Replicate> = values.iter().copied().map(Replicate::from).collect();
+            let estimate = Estimate::of(&replicates);
+            let count = f64::from(self.samples) * values.len() as f64;
+            let error = estimate.standard_error.max(self.rare(pixel[1], count)).hypot(ROUNDING * self.unit);
+            [pixel[0], estimate.mean, error]
+        };
+        let measured = exact.pixels.iter().zip(values).map(point).collect();
+        Picture::Curve { axes: exact.axes, exact: exact.curve.clone(), measured }
+    }
+
+    /// The error that `count` samples leave in a tail, where replicates that all see the same side of an edge do not tell theirs.
+    fn rare(&self, exact: f64, count: f64) -> f64 {
+        let value = exact / self.unit;
+        let share = value.abs().min((1.0 - value).abs());
+        if share < FEWEST_SAMPLES / f64::from(self.samples) {
+            self.unit * (share / count).sqrt()
+        } else {
+            0.0
+        }
     }
 }
 
@@ -212,16 +235,6 @@ fn groups(pixels: &[[f64; 2]], enough: f64, unit: f64) -> Vec<Vec<usize>> {
     alone.extend(tails);
     alone.extend([dark, bright].into_iter().filter(|group| !group.is_empty()));
     alone
-}
-
-fn picture(exact: &Exact, values: &[Vec<f64>]) -> Picture {
-    let point = |(pixel, values): (&[f64; 2], &Vec<f64>)| {
-        let replicates: Vec<Replicate> = values.iter().copied().map(Replicate::from).collect();
-        let estimate = Estimate::of(&replicates);
-        [pixel[0], estimate.mean, estimate.standard_error]
-    };
-    let measured = exact.pixels.iter().zip(values).map(point).collect();
-    Picture::Curve { axes: exact.axes, exact: exact.curve.clone(), measured }
 }
 
 #[cfg(test)]

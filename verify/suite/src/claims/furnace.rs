@@ -166,7 +166,7 @@ impl Surface {
             Self::Pane => 64,
             Self::Diffuse | Self::Plastic | Self::Mask => 512,
             Self::Rough => 1024,
-            Self::RoughPlastic => 3072,
+            Self::RoughPlastic => 4096,
             Self::Phong | Self::Blurred => 2048,
         }
     }

@@ -184,7 +184,7 @@ fn with_strategy(strategy: Strategy) -> Version {
 fn estimators() -> Vec<Version> {
     let ways = [
         (Strategy::Light, LightSampling::SolidAngle, 2048),
-        (Strategy::Material, LightSampling::Area, 24_576),
+        (Strategy::Material, LightSampling::Area, 32_768),
         (Strategy::Both, LightSampling::Area, 4096),
         (Strategy::Both, LightSampling::Auto, 4096),
     ];

@@ -18,8 +18,8 @@ use crate::setup::{built, diffuse, flat_at, image, lamp, pixel_middles, rectangl
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
     vec![
-        half_plane("shadow/half-plane/large", "a large light", &LARGE, (Level::Standard, 1536)),
-        half_plane("shadow/half-plane/small", "a small light", &SMALL, (Level::Standard, 1536)),
+        half_plane("shadow/half-plane/large", "a large light", &LARGE, (Level::Standard, 2048)),
+        half_plane("shadow/half-plane/small", "a small light", &SMALL, (Level::Standard, 2048)),
         half_plane("shadow/half-plane/quick", "a large light", &LARGE, (Level::Quick, 64)),
         rectangle(),
         ball(),
@@ -150,7 +150,7 @@ fn rectangle() -> Claim {
             "the floor behind a rectangle shows the irradiance of the polygon that is seen of the light",
         ),
         level: Level::Standard,
-        samples: 2560,
+        samples: 2048,
         unit: behind_half_plane(LARGE.light.map(|a| [-a, a]), HEIGHTS, -99.0, [0.0; 2]) / PI,
         bound: bounds::PIXEL,
         right: RIGHT,
@@ -191,7 +191,7 @@ fn ball() -> Claim {
             "under a ball before a round light the floor shows the light's irradiance less the ball's",
         ),
         level: Level::Standard,
-        samples: 6144,
+        samples: 4096,
         unit: verify::irradiance::from_parallel_disk(ROUND, HEIGHTS[1], 0.0) / PI,
         bound: bounds::PIXEL,
         right: RIGHT,

@@ -241,7 +241,7 @@ fn sector_claim() -> Claim {
             "pixels that a sector turns across are covered for the time that its angle holds theirs",
         ),
         level: Level::Standard,
-        samples: 6144,
+        samples: 4096,
         unit: 1.0,
         bound: bounds::PIXEL,
         right: RIGHT,

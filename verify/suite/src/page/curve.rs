@@ -20,7 +20,7 @@ pub(super) fn draw(axes: &[&str; 2], exact: &[[f32; 2]], measured: &[[f32; 3]]) 
     let y = chart::range(exact.iter().map(|p| p.1).chain(spread));
     let (Some(x), Some(y)) = (x, y) else { return html! { p.note { "No point to draw." } } };
     let residuals: Vec<(f64, f64)> =
-        measured.iter().filter_map(|p| Some((p[0], (p[1] - at(&exact, p[0])?) / p[2]))).collect();
+        measured.iter().filter_map(|p| Some((p[0], residual(p[1] - at(&exact, p[0])?, p[2])))).collect();
     let picture = chart::svg(430, &format!("{} against {}", axes[1], axes[0]), |area| {
         let (upper, lower) = area.split_vertically(290);
         draw_values(&upper, axes, [x, y], (&exact, &measured))?;
@@ -88,6 +88,11 @@ fn draw_residuals(area: &Area<'_, '_>, x: [f64; 2], residuals: &[(f64, f64)]) ->
     Ok(())
 }
 
+/// A difference in standard errors; 0 where nothing differs, also of a value without error.
+fn residual(difference: f64, error: f64) -> f64 {
+    if difference == 0.0 { 0.0 } else { difference / error }
+}
+
 /// The curve at `x`: its own value where it has that point, else between its neighbours; none outside.
 fn at(exact: &[(f64, f64)], x: f64) -> Option<f64> {
     if let Some(point) = exact.iter().find(|point| point.0 == x) {
@@ -108,6 +113,14 @@ mod tests {
         assert_eq!(
             [at(&exact, 0.0), at(&exact, 1.0), at(&exact, 2.0), at(&exact, 3.0)],
             [Some(0.0), Some(2.0), Some(4.0), None]
+        );
+    }
+
+    #[test]
+    fn a_value_without_error_is_on_its_curve_or_far_from_it() {
+        assert_eq!(
+            [residual(0.0, 0.0), residual(0.5, 0.25), residual(-1.0, 0.0)],
+            [0.0, 2.0, f64::NEG_INFINITY]
         );
     }
 

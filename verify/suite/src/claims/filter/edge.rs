@@ -57,8 +57,8 @@ pub(super) fn any_angle(name: &'static str, filter: Filter) -> Claim {
         samples: match filter {
             Filter::Mitchell { b: 0.0, .. } => 2048, // to a coarser bound
             Filter::Mitchell { .. } | Filter::Lanczos { .. } => 4096,
-            Filter::Gaussian { .. } => 2560,
-            Filter::Box { .. } | Filter::Tent { .. } => 1536,
+            Filter::Gaussian { .. } => 4096,
+            Filter::Box { .. } | Filter::Tent { .. } => 2048,
         },
         unit: 1.0,
         bound: super::pixel_bound(name),

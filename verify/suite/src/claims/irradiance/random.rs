@@ -8,9 +8,9 @@ use renderer::scene::ObjectSettings;
 use renderer::shapes::{MeshData, ShapeSettings};
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
-use verify::claim::{Claim, Evidence, Level, Run, claim};
+use verify::claim::{Claim, Evidence, Level, Picture, Run, claim};
 use verify::error::InputError;
-use verify::estimate::Replicate;
+use verify::estimate::{Estimate, Replicate};
 use verify::irradiance::{
     Receiver, disk_solid_angle, from_parallel_disk, from_polygon, from_sphere, polygon_solid_angle,
     sphere_solid_angle,
@@ -79,15 +79,15 @@ pub(super) fn claims() -> Vec<Claim> {
         solid(
             "irradiance/rectangle/any-perpendicular",
             "perpendicular rectangles of any size",
-            (1280, ANY),
+            (1024, ANY),
             upright,
         ),
-        solid("irradiance/rectangle/any-tilt", "tilted rectangles of any size", (1280, ANY), tilted),
-        solid("irradiance/triangle/any-tilt", "tilted triangles of any size", (1280, ANY), triangle),
+        solid("irradiance/rectangle/any-tilt", "tilted rectangles of any size", (1024, ANY), tilted),
+        solid("irradiance/triangle/any-tilt", "tilted triangles of any size", (1024, ANY), triangle),
         solid("irradiance/sphere/any-tilt", "spheres of any size at any tilt", (512, BALL), sphere),
-        area("irradiance/rectangle/by-area", "tilted rectangles, sampled by area,", 768, tilted),
+        area("irradiance/rectangle/by-area", "tilted rectangles, sampled by area,", 512, tilted),
         area("irradiance/triangle/by-area", "tilted triangles, sampled by area,", 512, triangle),
-        area("irradiance/disk/by-area", "parallel disks on and off their axes, sampled by area,", 1280, disk),
+        area("irradiance/disk/by-area", "parallel disks on and off their axes, sampled by area,", 1024, disk),
     ]
 }
 
@@ -120,7 +120,23 @@ impl Measured {
     fn judge(&self) -> Result<Evidence, InputError> {
         let mut evidence = judge(&self.claims, &self.values)?;
         evidence.resolution.quantity = "relative error of the irradiance";
+        evidence.pictures = vec![self.picture()];
         Ok(evidence)
+    }
+
+    /// Irradiance over the solid angle: measured against exact.
+    fn picture(&self) -> Picture {
+        let point = |((claim, values), solid_angle): ((&MeanClaim, &Vec<Replicate>), &f64)| {
+            let estimate = Estimate::of(values);
+            let error = estimate.standard_error.hypot(claim.rounding * claim.unit);
+            [claim.exact, estimate.mean, error].map(|value| value / solid_angle)
+        };
+        let mut measured: Vec<[f64; 3]> =
+            self.claims.iter().zip(&self.values).zip(&self.solid_angles).map(point).collect();
+        measured.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let exact = measured.iter().map(|&[exact, ..]| [exact; 2]).collect();
+        let axes = ["irradiance over solid angle, closed form", "irradiance over solid angle, measured"];
+        Picture::Curve { axes, exact, measured }
     }
 
     /// The same values, each 2.2 resolutions larger.
