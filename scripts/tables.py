@@ -15,6 +15,7 @@ def commit():
 
 def write(path, table):
     """Writes a table beside itself first, so that a run that is cut off leaves the last whole one."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_suffix(".part")
     beside.write_text(json.dumps(table, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     beside.replace(path)
