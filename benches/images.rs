@@ -7,7 +7,8 @@ use renderer::io::read_scene;
 use renderer::render::{RenderSettings, render};
 use renderer::scene::Scene;
 
-const SCENES: [&str; 7] = ["cornell", "soft-shadow", "thin-lens", "moving", "glass", "mesh", "textured"];
+const SCENES: [&str; 8] =
+    ["coats", "cornell", "soft-shadow", "thin-lens", "moving", "glass", "mesh", "textured"];
 
 fn images(c: &mut Criterion) {
     let mut group = c.benchmark_group("image");
