@@ -48,10 +48,16 @@ pub(super) fn claims() -> Vec<Claim> {
         let trials = move |run: &Run| if quick { 20 * run.effort } else { 1000 * run.effort };
         let says =
             "rays spawned on shapes of sizes 1e-8 to 1e8 meet a neighbour at 1e-4 of the largest coordinate";
-        claim(format!("stable/spawn/{id}"), says)
-            .rejects("3 × the neighbour's distance", move |run| past(run, trials(run), far))
-            .rejects("an offset of 1e-4 along the ray", move |run| past(run, trials(run), fixed))
-            .by(move |run| past(run, trials(run), OURS))
+        let builder = claim(format!("stable/spawn/{id}"), says)
+            .rejects("3 × the neighbour's distance", move |run| past(run, trials(run), far));
+        // It is too far where the largest of four log-uniform numbers is below 1, at a sixteenth of the shapes: twenty may
+        // have none of these, a thousand do with probability 1 − 1e-28.
+        let builder = if quick {
+            builder
+        } else {
+            builder.rejects("an offset of 1e-4 along the ray", move |run| past(run, trials(run), fixed))
+        };
+        builder.by(move |run| past(run, trials(run), OURS))
     };
     vec![
         hits(true, "self"),
