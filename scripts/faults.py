@@ -129,7 +129,7 @@ def detections(report, level):
     """What a report finds wrong. A claim that could not run has noticed something too."""
     found = [{"claim": claim["id"], "level": level, "n": claim["n"], "seconds": claim["seconds"]}
              for claim in report["claims"] if claim["verdict"] != "holds"]
-    return found + [{"claim": error["id"], "level": level, "n": 0, "seconds": 0.0} for error in report["errors"]]
+    return found + [{"claim": error["id"], "level": level, "n": 0, "seconds": 0.0} for error in report.get("errors", [])]
 
 
 def examine(fault, workshop, first):
