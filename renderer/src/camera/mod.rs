@@ -46,6 +46,12 @@ pub enum Projection {
     },
     /// Parallel rays; the image spans [−1, 1] of the camera's x coordinate.
     Orthographic,
+    /// An object's surface that measures the irradiance on it: the film is spread over the surface by area, and rays leave it
+    /// in cosine-distributed directions.
+    IrradianceMeter {
+        /// Index of the object in the description.
+        object: usize,
+    },
 }
 
 /// The eye as a scene describes it.
@@ -118,7 +124,9 @@ impl Camera {
                 let half = distance * (0.5 * fov.to_radians()).tan() / half_extent(axis, w, h);
                 (distance * DVec3::Z, -half * w * DVec3::X, -half * h * DVec3::Y, lens_radius)
             }
-            Projection::Orthographic => (DVec3::Z, DVec3::NEG_X, -(h / w) * DVec3::Y, 0.0),
+            Projection::Orthographic | Projection::IrradianceMeter { .. } => {
+                (DVec3::Z, DVec3::NEG_X, -(h / w) * DVec3::Y, 0.0)
+            }
         };
         let parallel = settings.projection == Projection::Orthographic;
         let motion = settings.to_world.then(&DAffine3::from_translation(to_frame))?;

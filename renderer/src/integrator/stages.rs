@@ -8,7 +8,7 @@ use crate::math::Rgb;
 use crate::ray::Ray;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
-use crate::scene::{Branch, Effect, Scene, Strategy};
+use crate::scene::{Branch, Effect, Meter, Scene, Strategy};
 
 /// Weight below which a path no longer forks.
 const FORK_MIN: f32 = 1.0 / 64.0;
@@ -54,10 +54,13 @@ pub fn lens_points<S: Sampler>(sampler: &S, batch: &mut Batch) {
 
 /// The camera's ray of each sample.
 pub fn camera_rays(scene: &Scene, batch: &mut Batch) {
-    let has_lens = scene.camera.has_lens();
+    let (has_lens, meter) = (scene.camera.has_lens(), scene.meter);
+    let throughput = if meter.is_some() { Rgb::splat(Meter::WEIGHT) } else { Rgb::WHITE };
     for (index, sample) in (0..).zip(&batch.samples) {
         let p = scene.film.to_image(sample.position);
-        let ray = if has_lens {
+        let ray = if let Some(meter) = meter {
+            meter.ray(scene, p, sample.lens, sample.time)
+        } else if has_lens {
             scene.camera.lens_ray(p, sample.lens, sample.time)
         } else {
             scene.camera.ray(p, sample.time)
@@ -66,7 +69,7 @@ pub fn camera_rays(scene: &Scene, batch: &mut Batch) {
             sample: index,
             vertex: Vertex::default(),
             ray,
-            throughput: Rgb::WHITE,
+            throughput,
             eta_scale: 1.0,
             pdf: None,
         });

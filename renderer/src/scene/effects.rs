@@ -77,11 +77,11 @@ impl SceneDescription {
     /// [`Error::Scene`] for a rough material that has no such value.
     pub fn leave_out(&mut self, effect: Effect) -> Result<(), Error> {
         match effect {
-            Effect::Lens => {
-                if let Projection::Perspective { lens_radius, .. } = &mut self.camera.projection {
-                    *lens_radius = 0.0;
-                }
-            }
+            Effect::Lens => match &mut self.camera.projection {
+                Projection::Perspective { lens_radius, .. } => *lens_radius = 0.0,
+                Projection::Orthographic => (),
+                Projection::IrradianceMeter { .. } => return Err(no_pinhole()),
+            },
             Effect::Shutter => {
                 let open = self.camera.shutter.open;
                 self.camera.shutter = Shutter { close: open, ..self.camera.shutter };
@@ -105,6 +105,13 @@ impl SceneDescription {
         }
         Ok(())
     }
+}
+
+fn no_pinhole() -> Error {
+    let accepted = "sensors other than an irradiancemeter, whose lens is the hemisphere of directions";
+    let reason =
+        ParamError::OutOfRange { name: "number of lenses that cannot be left out", value: 1.0, accepted };
+    Error::Scene { object: "sensor".into(), reason }
 }
 
 fn no_sharp_form(object: &str) -> Error {
@@ -143,7 +150,7 @@ impl Effects {
         let calls: Vec<_> = scene.materials().map(|m| m.calls_for()).collect();
         let moves = scene.camera.moves() || scene.accel.objects().iter().any(|o| o.motion.is_some());
         Self::NONE
-            .with(Effect::Lens, scene.camera.has_lens())
+            .with(Effect::Lens, scene.camera.has_lens() || scene.meter.is_some())
             .with(Effect::Shutter, scene.shutter.length() > 0.0 && moves)
             .with(Effect::AreaLight, scene.lights.as_slice().iter().any(|l| matches!(l, Light::Area(_))))
             .with(Effect::Rough, calls.iter().any(|c| c.rough))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use crate::accel::{Accel, Object};
-use crate::camera::{Camera, Shutter};
+use crate::camera::{Camera, CameraSettings, Projection, Shutter};
 use crate::error::{Error, ParamError};
 use crate::film::Film;
 use crate::interaction::Interaction;
@@ -19,10 +19,12 @@ use crate::shapes::{Shape, ShapeHit};
 
 pub mod description;
 pub mod effects;
+pub mod meter;
 pub mod transport;
 
 pub use description::{LightSettings, ObjectSettings, SamplerSettings, SceneDescription};
 pub use effects::{Effect, Effects};
+pub use meter::Meter;
 pub use transport::{Branch, IntegratorSettings, Strategy};
 
 /// A scene ready to be rendered, in a frame whose origin is the camera's position as the shutter opens.
@@ -33,6 +35,8 @@ pub use transport::{Branch, IntegratorSettings, Strategy};
 pub struct Scene {
     /// The eye.
     pub camera: Camera,
+    /// The surface that measures irradiance, in the place of the camera.
+    pub meter: Option<Meter>,
     /// When light reaches the film.
     pub shutter: Shutter,
     /// The image.
@@ -77,8 +81,11 @@ impl Scene {
         let mut objects = Vec::new();
         let mut surfaces = Vec::new();
         let mut lights = Vec::new();
-        for object in &description.objects {
-            if object.material.is_absent() && object.radiance.is_black() {
+        let mut meter = None;
+        for (place_in_list, object) in description.objects.iter().enumerate() {
+            if settings.projection == (Projection::IrradianceMeter { object: place_in_list }) {
+                meter = Some(Meter { object: index(objects.len())? });
+            } else if object.material.is_absent() && object.radiance.is_black() {
                 continue;
             }
             let placed = place(object, to_frame, shutter).map_err(refuse(&object.name))?;
@@ -100,6 +107,7 @@ impl Scene {
         let lights = Lights::new(lights, &accel, [shutter.open, shutter.close]);
         let mut scene = Self {
             camera,
+            meter: meter_of(settings, meter, &description.objects).map_err(refuse("sensor"))?,
             shutter,
             film,
             accel,
@@ -155,6 +163,21 @@ impl Scene {
     /// The index of the light that the object of index `object` is, and the light, if it is one.
     pub fn light_of(&self, object: u32) -> Option<(u32, &Light)> {
         self.surfaces[object as usize].light.map(|l| (l, self.lights.get(l)))
+    }
+}
+
+/// The meter that was found, which must be there if the settings name one.
+fn meter_of(
+    settings: &CameraSettings,
+    found: Option<Meter>,
+    objects: &[ObjectSettings],
+) -> Result<Option<Meter>, ParamError> {
+    match settings.projection {
+        Projection::IrradianceMeter { object } if found.is_none() => {
+            let (index, last) = (object as u64, (objects.len() as u64).saturating_sub(1));
+            Err(ParamError::Index { name: "the object of the irradiance meter", index, last })
+        }
+        _ => Ok(found),
     }
 }
 

@@ -18,7 +18,7 @@ pub use disk::from_parallel_disk;
 pub use furnace::{furnace_radiance, integrating_sphere_irradiance};
 pub use penumbra::behind_half_plane;
 pub use polygon::from_polygon;
-pub use rectangle::{from_parallel_rectangle, from_perpendicular_rectangle};
+pub use rectangle::{between_parallel_rectangles, from_parallel_rectangle, from_perpendicular_rectangle};
 pub use solid_angle::{
     disk_solid_angle, parallel_rectangle_solid_angle, polygon_solid_angle, sphere_solid_angle,
     triangle_solid_angle,

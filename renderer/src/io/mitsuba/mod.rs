@@ -4,7 +4,7 @@
 //!
 //! Accepted plugins, with Mitsuba's parameters unless a refusal says otherwise:
 //! - integrators `path`, `direct`, and our `distribution`;
-//! - sensors `perspective`, `thinlens`, `orthographic`; film `hdrfilm`; filters `box`, `tent`, `gaussian`, `mitchell`,
+//! - sensors `perspective`, `thinlens`, `orthographic`, `irradiancemeter` in a shape; film `hdrfilm`; filters `box`, `tent`, `gaussian`, `mitchell`,
 //!   `catmullrom`, `lanczos`;
 //! - shapes `rectangle`, `disk`, `sphere`, `cylinder`, `cube`, `obj`, `ply`, `serialized`, `shapegroup`,
 //!   `instance`;
@@ -58,6 +58,8 @@ struct Context {
     building: RefCell<Vec<usize>>,
     /// Area emitters that a shape has.
     attached: RefCell<HashSet<usize>>,
+    /// Shapes with a sensor in them, each with the sensor.
+    meters: RefCell<Vec<(usize, usize)>>,
 }
 
 impl Context {
@@ -103,6 +105,7 @@ pub fn read_scene(
         groups: RefCell::default(),
         building: RefCell::default(),
         attached: RefCell::default(),
+        meters: RefCell::default(),
     };
     let mut scene = scene(&context)?;
     scene.hash = context.files.borrow().hash();
@@ -119,9 +122,7 @@ fn scene(context: &Context) -> Result<SceneDescription, Error> {
         let feature = format!("format version '{}'", version.value);
         return Err(version.place.unsupported(feature, "2.x.y and 3.x.y are accepted"));
     }
-    let sensor = root.only_nested("sensor")?;
-    let sensor = sensor.ok_or_else(|| root.place().refuse("a scene without a <sensor>; one is accepted"))?;
-    let sensor = sensors::read(context, sensor)?;
+    let camera = root.only_nested("sensor")?.map(|index| sensors::read(context, index)).transpose()?;
     let integrator = integrators::read(context, root.only_nested("integrator")?)?;
     for index in root.nested("bsdf")? {
         bsdfs::read(context, index)?;
@@ -129,12 +130,23 @@ fn scene(context: &Context) -> Result<SceneDescription, Error> {
     for index in root.nested("texture")? {
         textures::read(context, index)?;
     }
-    let objects = root
-        .nested("shape")?
-        .into_iter()
-        .map(|index| shapes::read(context, index))
-        .collect::<Result<Vec<_>, _>>()?
-        .concat();
+    let (mut objects, mut meter) = (Vec::new(), None);
+    for index in root.nested("shape")? {
+        let object = objects.len();
+        objects.extend(shapes::read(context, index)?);
+        if let Some(&(_, sensor)) = context.meters.borrow().iter().find(|(shape, _)| *shape == index) {
+            let second = camera.is_some() || meter.is_some();
+            meter = Some((sensor, object));
+            if second {
+                return Err(context.document.elements[sensor]
+                    .place
+                    .refuse("a second <sensor>; one is accepted"));
+            }
+        }
+    }
+    let meter = meter.map(|(sensor, object)| sensors::read_meter(context, sensor, object, &objects[object]));
+    let sensor = camera.or(meter.transpose()?);
+    let sensor = sensor.ok_or_else(|| root.place().refuse("a scene without a <sensor>; one is accepted"))?;
     let lights = emitters::read(context, &root.nested("emitter")?)?;
     root.finish()?;
     let sensors::Sensor { camera, film, sampler } = sensor;

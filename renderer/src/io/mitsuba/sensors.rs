@@ -9,7 +9,7 @@ use crate::film::filter::{Filter, FilterSampler};
 use crate::film::{FilmSettings, Reconstruction};
 use crate::io::MAX_PIXELS;
 use crate::sampling::SamplerKind;
-use crate::scene::SamplerSettings;
+use crate::scene::{ObjectSettings, SamplerSettings};
 use glam::DVec3;
 
 const PLUGINS: [&str; 3] = ["orthographic", "perspective", "thinlens"];
@@ -33,6 +33,38 @@ pub(super) fn read(context: &Context, index: usize) -> Result<Sensor, Error> {
     object.without_effect("near_clip", &["float", "integer"], NO_CLIPPING)?;
     object.without_effect("far_clip", &["float", "integer"], NO_CLIPPING)?;
     let to_world = transform::motion(&object, "to_world")?;
+    let sensor = exposure(&object, CameraSettings { projection, to_world, shutter: Shutter::INSTANT })?;
+    if plugin != "orthographic" {
+        check_scale(&object, &sensor.camera)?;
+    }
+    object.finish()?;
+    Ok(sensor)
+}
+
+/// The sensor at `index` of the document, which is in the shape that became `object`, the one of index `number`.
+pub(super) fn read_meter(
+    context: &Context,
+    index: usize,
+    number: usize,
+    object: &ObjectSettings,
+) -> Result<Sensor, Error> {
+    let meter = Object::new(context, index)?;
+    meter.plugin(&["irradiancemeter"])?;
+    let projection = Projection::IrradianceMeter { object: number };
+    let to_world = object.to_world.clone();
+    let sensor = exposure(&meter, CameraSettings { projection, to_world, shutter: Shutter::INSTANT })?;
+    if sensor.film.filter != Filter::PIXEL {
+        let message =
+            "an irradiancemeter behind a filter that reaches beyond a pixel; the rfilter 'box' is accepted";
+        return Err(meter.place().refuse(message));
+    }
+    meter.finish()?;
+    Ok(sensor)
+}
+
+/// What all sensors have: shutter, film and sampler.
+fn exposure(object: &Object, camera: CameraSettings) -> Result<Sensor, Error> {
+    let context = object.context;
     let opens = object.float("shutter_open")?.unwrap_or(0.0);
     let closes = object.float("shutter_close")?.unwrap_or(opens);
     let opening = object.choice("shutter_opening", &Opening::ALL, Opening::Box)?;
@@ -45,13 +77,8 @@ pub(super) fn read(context: &Context, index: usize) -> Result<Sensor, Error> {
         Some(index) => sampler(context, index)?,
         None => DEFAULT_SAMPLER,
     };
-    let shutter = shutter.with_opening(opening);
-    let camera = CameraSettings { projection, to_world, shutter };
+    let camera = CameraSettings { shutter: shutter.with_opening(opening), ..camera };
     Camera::new(&camera, film.width, film.height, DVec3::ZERO).map_err(|reason| object.refuse(&reason))?;
-    if plugin != "orthographic" {
-        check_scale(&object, &camera)?;
-    }
-    object.finish()?;
     Ok(Sensor { camera, film, sampler })
 }
 

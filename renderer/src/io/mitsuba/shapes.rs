@@ -25,7 +25,12 @@ pub(super) fn read(context: &Context, index: usize) -> Result<Vec<ObjectSettings
     match object.plugin(&[&PLUGINS[..], &["shapegroup", "instance"]].concat())? {
         "shapegroup" => group(context, index).map(|_| Vec::new()),
         "instance" => instance(object),
-        plugin => Ok(vec![shape(object, plugin)?]),
+        plugin => {
+            if let Some(sensor) = object.only_nested("sensor")? {
+                context.meters.borrow_mut().push((index, sensor));
+            }
+            Ok(vec![shape(object, plugin)?])
+        }
     }
 }
 
@@ -40,6 +45,9 @@ fn group(context: &Context, index: usize) -> Result<Arc<[ObjectSettings]>, Error
     for index in object.nested("shape")? {
         let part = Object::new(context, index)?;
         let (place, plugin) = (part.place(), part.plugin(&PLUGINS)?);
+        if part.only_nested("sensor")?.is_some() {
+            return Err(place.refuse("a sensor in a shapegroup; shapes without are accepted"));
+        }
         let read = shape(part, plugin)?;
         if !read.radiance.is_black() {
             return Err(place.refuse("an emitter in a shapegroup; shapes without are accepted"));

@@ -12,6 +12,7 @@ use verify::irradiance::{
 };
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
+mod meter;
 mod random;
 
 use crate::bounds;
@@ -39,6 +40,7 @@ pub(super) fn claims() -> Vec<Claim> {
         from("irradiance/triangle/tilted", "a tilted triangle of a mesh", 256, triangle),
     ];
     list.extend(random::claims());
+    list.push(meter::claim_of_pixels());
     list.into_iter().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }
 
