@@ -27,7 +27,7 @@ const HALF: [f64; 2] = [0.6, 0.5];
 
 /// The lamp's ranges of x and y, and its height: aside, so that no two pixels are alike, and large, since a direction that meets it
 /// counts 1/p times where p meet it, with the variance 1/p − 1.
-const LAMP: ([f64; 2], [f64; 2], f64) = ([-1.2, 2.6], [-1.0, 2.4], 0.7);
+const LAMP: ([f64; 2], [f64; 2], f64) = ([-0.8, 2.6], [-1.4, 1.8], 0.7);
 
 /// Samples a pixel and replicate, and replicates at effort 1.
 const WORK: (u32, u64) = (8192, 128);
