@@ -6,8 +6,9 @@
 The variance of a pixel's value, averaged over pixels and channels, is that over independent seeds at 128 by 128 pixels.
 The seconds are those of a render at 512 by 512, medians over rounds in which both programs take turns; reading the
 scene and Mitsuba's compilation aren't counted. Mitsuba (llvm_ad_rgb) has each of its samplers, and the one of least
-variance x seconds stands for it. Ours has one set of points a pixel (--replicates 1), as Mitsuba has. On a busy machine
---clock cpu compares seconds of processor time, start-up taken off.
+variance x seconds stands for it. Ours has one set of points a pixel (--replicates 1), as Mitsuba has, and gives pixels
+samples by their error (--allocate), the pilot's included, with the same mean number; with --even each has that number.
+On a busy machine --clock cpu compares seconds of processor time, start-up taken off.
 
 Mitsuba needs LLVM's shared library: the file in DRJIT_LIBLLVM_PATH, or one that the system finds. The mesh is written by
 `cargo bench -p benches --bench shading -- --test`.
@@ -82,15 +83,17 @@ class Lightproof:
 
     def __init__(self, scene, options):
         self.command = [options.program, "render", str(options.path(scene)), "--replicates=1", "--sampler=sobol"]
+        self.more = [] if options.even else ["--allocate"]
         self.command += [f"-D{name}={value}" for name, value in options.parameters(scene).items()]
         self.spp = options.spp
         with tempfile.TemporaryDirectory() as folder:
-            self.start = self.render(Path(folder), 1, 1, 0)[1]
+            self.start = self.render(Path(folder), 1, options.spp, 0)[1]
 
     def render(self, folder, res, spp, seed):
         """The seconds of a render: as the program says, and of processor time; the image is folder/ours.exr."""
         cpu = processor_seconds(resource.RUSAGE_CHILDREN)
         options = [f"-Dres={res}", f"--spp={spp}", f"--seed={seed}", "-o", str(folder / "ours.exr")]
+        options += self.more
         run = subprocess.run(self.command + options, capture_output=True, text=True, check=False)
         said = re.search(r", ([\d.]+) s$", run.stderr, re.MULTILINE)
         if run.returncode != 0 or not said:
@@ -156,6 +159,7 @@ def parse(arguments):
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--clock", choices=["wall", "cpu"], default="wall")
+    parser.add_argument("--even", action="store_true", help="ours with the same number of samples for each pixel")
     parser.add_argument("--threads", type=int, default=0, help="of Mitsuba; 0 for all, as ours")
     options = parser.parse_args(arguments, namespace=Options())
     if options.seeds < 2 or options.rounds < 1:

@@ -6,14 +6,15 @@ use rayon::prelude::*;
 
 use crate::error::ParamError;
 use crate::film::estimate::values;
-use crate::film::{Part, PixelEstimate, PixelSum, Reconstruction, Tile, TileSums};
+use crate::film::{Begun, Part, PixelEstimate, Reconstruction, Tile, TileSums};
 use crate::integrator::batch::Sample;
 use crate::integrator::{Batch, Integrator, PathTracer};
-use crate::math::Rgb;
 use crate::sampling::{
     Halton, Independent, MultiJitter, Pmj02, SampleId, Sampler, SamplerKind, Sobol, Stratified,
 };
 use crate::scene::Scene;
+
+pub mod pilot;
 
 /// Samples that travel together: few enough for the lists of all stages to stay in a core's own cache.
 const BATCH: usize = 512;
@@ -123,7 +124,8 @@ pub fn render_with<I: Integrator, S: Sampler>(
 /// * `watch`: called with all that is finished after each tile, from any thread; nothing else is entered meanwhile.
 ///
 /// # Errors
-/// As [`render`]; and a part of another film, other replicates, or samples beyond the settings'.
+/// As [`render`]; a part of another film, other replicates, or samples beyond the settings'; and one with numbers of
+/// samples by pixel where the sampler must know one for all.
 pub fn go_on(
     scene: &Scene,
     integrator: &PathTracer,
@@ -139,6 +141,9 @@ pub fn go_on(
             value: f64::from(part.range[1]),
             accepted: "a part of the same film, with as many replicates, of samples that the settings have",
         });
+    }
+    if part.counts().is_some() && !pilot::serves(settings.sampler) {
+        return Err(pilot::refused(0));
     }
     let [first, _] = integrator.decisions(scene);
     let (seed, samples) = (settings.seed, settings.samples);
@@ -172,7 +177,7 @@ struct Finish<'a, I> {
 impl<I: Integrator> Finish<'_, I> {
     /// The part with its missing tiles, with numbers from `sampler`.
     fn sampler<S: Sampler>(&self, sampler: &S, part: Part) -> Result<Part, ParamError> {
-        let range = part.range;
+        let empty = part.emptied();
         let missing: Vec<(usize, Tile)> = Tile::all(part.size)
             .into_iter()
             .enumerate()
@@ -181,7 +186,11 @@ impl<I: Integrator> Finish<'_, I> {
         let part = Mutex::new(part);
         let work = || {
             missing.par_iter().for_each(|(index, tile)| {
-                let sums = self.tile(sampler, tile, range);
+                let mut begun = empty.begun(*index, tile);
+                let next = begun.next;
+                let range_of = |pixel| [next, empty.range_of(pixel)[1]];
+                self.tile(sampler, tile, range_of, &mut begun, |_| ());
+                let sums = self.finished(&empty, tile, &begun);
                 let mut part = part.lock().unwrap_or_else(PoisonError::into_inner);
                 part.finish(*index, sums);
                 (self.watch)(&part);
@@ -195,11 +204,28 @@ impl<I: Integrator> Finish<'_, I> {
         Ok(part.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The samples `start` to `end` − 1 of each pixel and replicate of a tile.
-    fn tile<S: Sampler>(&self, sampler: &S, tile: &Tile, [start, end]: [u32; 2]) -> TileSums {
+    /// A tile's sums as a part holds them; a sample counts in inverse proportion to its pixel's number of samples.
+    fn finished(&self, part: &Part, tile: &Tile, begun: &Begun) -> TileSums {
+        let mean = f64::from(self.settings.samples);
+        let share = |pixel| part.counts().map_or(1.0, |_| mean / f64::from(part.range_of(pixel)[1]));
+        let shares = tile.pixels().zip(&begun.largest).map(|(pixel, largest)| largest * share(pixel));
+        TileSums::new(&begun.sums, shares.fold(0.0, f64::max), begun.dropped)
+    }
+
+    /// Adds the samples of each pixel and replicate of a tile, from the first to before the second that `range_of` says.
+    ///
+    /// * `seen`: called with samples of one pixel and replicate.
+    fn tile<S: Sampler>(
+        &self,
+        sampler: &S,
+        tile: &Tile,
+        range_of: impl Fn([u32; 2]) -> [u32; 2],
+        begun: &mut Begun,
+        mut seen: impl FnMut(&[Sample]),
+    ) {
         let replicates = self.settings.replicates;
-        let mut sums = vec![PixelSum::starting_at(replicates, start); tile.pixels().count()];
         let of_pixel = |pixel: [u32; 2]| {
+            let [start, end] = range_of(pixel);
             (0..replicates).flat_map(move |replicate| {
                 (start..end).map(move |index| SampleId { pixel, replicate, index })
             })
@@ -207,31 +233,28 @@ impl<I: Integrator> Finish<'_, I> {
         let mut ids = tile.pixels().flat_map(of_pixel);
         let mut batch = Batch::default();
         let mut summed = Vec::new();
-        let mut largest = 0.0f32;
         loop {
             batch.refill(ids.by_ref().take(BATCH));
             if batch.samples.is_empty() {
                 break;
             }
             self.integrator.trace(self.scene, sampler, &mut batch);
+            batch.drop_infinite();
             let of_one_sum =
                 |a: &Sample, b: &Sample| (a.id.pixel, a.id.replicate) == (b.id.pixel, b.id.replicate);
             for run in batch.samples.chunk_by(of_one_sum) {
-                summed.clear();
-                for sample in run {
-                    let mut weighted = sample.radiance * sample.weight;
-                    if !weighted.is_finite() {
-                        batch.dropped += 1;
-                        weighted = Rgb::BLACK;
-                    }
-                    summed.push(values(weighted, sample.weight));
-                    // Their mean; the sum of all three may be more than f32 holds.
-                    largest = largest.max((weighted / 3.0).to_array().iter().sum::<f32>().abs());
-                }
                 let id = run[0].id;
-                sums[tile.place(id.pixel)].extend(id.replicate, &summed);
+                let place = tile.place(id.pixel);
+                summed.clear();
+                summed.extend(run.iter().map(|sample| values(sample.weighted(), sample.weight)));
+                begun.sums[place].extend(id.replicate, &summed);
+                // Their mean; the sum of all three may be more than f32 holds.
+                let mean = |sample: &Sample| (sample.weighted() / 3.0).to_array().iter().sum::<f32>().abs();
+                let largest = run.iter().map(mean).fold(0.0, f32::max);
+                begun.largest[place] = begun.largest[place].max(f64::from(largest));
+                seen(run);
             }
         }
-        TileSums::new(&sums, f64::from(largest), batch.dropped)
+        begun.dropped += batch.dropped;
     }
 }

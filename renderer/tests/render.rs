@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
-use renderer::film::{FilmSettings, Filter, Reconstruction};
+use renderer::film::{Allocation, FilmSettings, Filter, Part, Reconstruction};
 use renderer::integrator::{Integrator, PathTracer};
 use renderer::io::read_scene;
 use renderer::materials::Material;
 use renderer::math::{Rgb, transform::Motion};
-use renderer::render::{RenderSettings, Rendering, render, render_with};
+use renderer::render::{RenderSettings, Rendering, go_on, pilot, render, render_with};
 use renderer::sampling::{Independent, SamplerKind, WithinPlan};
 use renderer::scene::{
     Branch, Effect, IntegratorSettings, LightSettings, ObjectSettings, SamplerSettings, Scene,
@@ -104,6 +104,37 @@ fn a_furnace_cut_at_a_depth_misses_the_rest_of_the_series() {
                 "{depth}: {mean} ± {error}"
             );
         }
+    }
+}
+
+#[test]
+fn samples_by_error_are_the_same_for_any_threads_and_when_begun_again() {
+    let mut description = furnace(0.5, IntegratorSettings::PATH);
+    description.film.width = 37;
+    let scene = Scene::new(&description).unwrap();
+    let integrator = PathTracer { settings: scene.integrator };
+    for sampler in SamplerKind::ALL {
+        let settings = RenderSettings { sampler, samples: 20, replicates: 2, seed: 0, threads: 1 };
+        let Ok(part) = pilot::allocated(&scene, &integrator, &settings) else {
+            assert!(
+                [SamplerKind::Stratified, SamplerKind::MultiJitter, SamplerKind::Halton].contains(&sampler)
+            );
+            continue;
+        };
+        let counts = part.counts().unwrap().to_vec();
+        assert!(counts.iter().min() < counts.iter().max() && counts.iter().all(|n| *n >= 4));
+        let finished = |settings, part| {
+            let part = go_on(&scene, &integrator, settings, part, &|_| ()).unwrap();
+            Rendering::of(&part, Reconstruction::Importance)
+        };
+        let one = finished(&settings, part);
+        let many = RenderSettings { threads: 3, ..settings };
+        assert_eq!(finished(&many, pilot::allocated(&scene, &integrator, &many).unwrap()), one);
+        // The same counts without the pilot's samples, which are then taken with the others.
+        let film = [scene.film.width, scene.film.height];
+        let again = Part::allocated(film, 2, 20, Allocation { counts: counts.clone(), pilot: None }).unwrap();
+        assert_eq!(finished(&settings, again), one, "{}", sampler.name());
+        assert!(one.pixels.iter().zip(counts).all(|(p, n)| p.samples == u64::from(2 * n)));
     }
 }
 

@@ -150,25 +150,34 @@ impl Camera {
     /// The ray through the middle of the lens and the point `p` of the image at `time`.
     ///
     /// * `p`: in [−1, 1]², rightwards and downwards; beyond where a wide filter reaches over the edge.
+    #[inline]
     pub fn ray(&self, p: [f32; 2], time: f32) -> Ray {
-        let pose = self.pose_at(time);
-        let on_plane = p[0] * pose.sx + p[1] * pose.sy;
-        if self.parallel {
-            return Ray::new(pose.o + on_plane, pose.f.normalize(), time);
-        }
-        Ray::new(pose.o, (pose.f + on_plane).normalize(), time)
+        self.at(time, |pose| {
+            let on_plane = p[0] * pose.sx + p[1] * pose.sy;
+            if self.parallel {
+                return Ray::new(pose.o + on_plane, pose.f.normalize(), time);
+            }
+            Ray::new(pose.o, (pose.f + on_plane).normalize(), time)
+        })
     }
 
     /// The ray from the lens at `zeta` on the unit disk through the plane in focus at `p`: direction h − o'.
+    #[inline]
     pub fn lens_ray(&self, p: [f32; 2], zeta: [f32; 2], time: f32) -> Ray {
-        let pose = self.pose_at(time);
-        let offset = zeta[0] * pose.lens_x + zeta[1] * pose.lens_y;
-        let direction = pose.f + p[0] * pose.sx + p[1] * pose.sy - offset;
-        Ray::new(pose.o + offset, direction.normalize(), time)
+        self.at(time, |pose| {
+            let offset = zeta[0] * pose.lens_x + zeta[1] * pose.lens_y;
+            let direction = pose.f + p[0] * pose.sx + p[1] * pose.sy - offset;
+            Ray::new(pose.o + offset, direction.normalize(), time)
+        })
     }
 
-    fn pose_at(&self, time: f32) -> Pose {
-        self.at_rest.unwrap_or_else(|| self.pose(f64::from(time)))
+    /// What `ray` makes of the pose at `time`.
+    #[inline]
+    fn at(&self, time: f32, ray: impl Fn(&Pose) -> Ray) -> Ray {
+        match &self.at_rest {
+            Some(pose) => ray(pose),
+            None => ray(&self.pose(f64::from(time))),
+        }
     }
 
     fn pose(&self, time: f64) -> Pose {

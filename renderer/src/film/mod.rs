@@ -2,13 +2,15 @@
 
 use crate::error::ParamError;
 
+pub mod allocation;
 pub mod estimate;
 pub mod filter;
 pub mod part;
 
+pub use allocation::{Allocation, Pilot};
 pub use estimate::{PixelEstimate, PixelSum};
 pub use filter::{Filter, FilterSampler};
-pub use part::{Part, Tile, TileSums};
+pub use part::{Begun, Part, Tile, TileSums};
 
 /// How the samples of a pixel become its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,6 +1,9 @@
 //! A render that isn't whole: some tiles, or some of the samples.
 
+use std::sync::Arc;
+
 use super::Reconstruction;
+use super::allocation::Allocation;
 use super::estimate::{PixelEstimate, PixelSum, levels};
 use crate::error::ParamError;
 
@@ -53,6 +56,19 @@ impl TileSums {
     }
 }
 
+/// What is there of a tile before its samples are taken.
+#[derive(Debug, Clone)]
+pub struct Begun {
+    /// The sum of each pixel.
+    pub sums: Vec<PixelSum>,
+    /// The largest absolute value of each pixel's weighted samples, the mean of its channels.
+    pub largest: Vec<f64>,
+    /// Contributions left out because they were not finite.
+    pub dropped: u64,
+    /// Index of each pixel's next sample.
+    pub next: u32,
+}
+
 /// Samples of an image: a range of each replicate's, for the tiles that are finished.
 ///
 /// Parts over adjoining ranges join to the same bits as one over both.
@@ -64,6 +80,8 @@ pub struct Part {
     pub replicates: u32,
     /// Indices of the samples of each replicate, from the first to before the second.
     pub range: [u32; 2],
+    /// Samples of each pixel instead of the range.
+    allocation: Option<Arc<Allocation>>,
     tiles: Vec<Option<TileSums>>,
     finished: usize,
 }
@@ -71,28 +89,95 @@ pub struct Part {
 impl Part {
     /// Nothing yet.
     pub fn new(size: [u32; 2], replicates: u32, range: [u32; 2]) -> Self {
-        Self { size, replicates, range, tiles: vec![None; Tile::all(size).len()], finished: 0 }
+        let tiles = vec![None; Tile::all(size).len()];
+        Self { size, replicates, range, allocation: None, tiles, finished: 0 }
+    }
+
+    /// Nothing yet of the samples of `allocation`, whose mean is `samples`.
+    ///
+    /// # Errors
+    /// A number of counts that isn't that of the pixels, and counts of 0.
+    pub fn allocated(
+        size: [u32; 2],
+        replicates: u32,
+        samples: u32,
+        allocation: Allocation,
+    ) -> Result<Self, ParamError> {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let counts = &allocation.counts;
+        if counts.len() as u64 != pixels || counts.contains(&0) {
+            let accepted = "a number of samples above 0 for each pixel";
+            return Err(ParamError::OutOfRange {
+                name: "pixels with samples",
+                value: pixels as f64,
+                accepted,
+            });
+        }
+        Ok(Self { allocation: Some(allocation.into()), ..Self::new(size, replicates, [0, samples]) })
+    }
+
+    /// The samples of each replicate of a pixel, row by row, where they are not the same for all.
+    pub fn counts(&self) -> Option<&[u32]> {
+        self.allocation.as_ref().map(|allocation| allocation.counts.as_slice())
+    }
+
+    /// The same samples, with no tile of them.
+    #[must_use]
+    pub fn emptied(&self) -> Self {
+        Self { allocation: self.allocation.clone(), ..Self::new(self.size, self.replicates, self.range) }
+    }
+
+    /// Whether another part is of the same samples.
+    pub fn is_of_samples(&self, other: &Self) -> bool {
+        (self.size, self.replicates, self.range, self.counts())
+            == (other.size, other.replicates, other.range, other.counts())
+    }
+
+    /// The indices of the samples of each replicate of a pixel, from the first to before the second.
+    pub fn range_of(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        let place = y as usize * self.size[0] as usize + x as usize;
+        self.counts().map_or(self.range, |counts| [0, counts[place]])
+    }
+
+    /// What there is of the tile of that index before it is rendered.
+    pub fn begun(&self, index: usize, tile: &Tile) -> Begun {
+        let pilot = self.allocation.as_ref().and_then(|allocation| allocation.pilot.as_ref());
+        let first = pilot.and_then(|pilot| Some((pilot, pilot.part.tiles.get(index)?.as_ref()?)));
+        match first {
+            Some((pilot, sums)) => Begun {
+                sums: pilot.part.pixels_of(tile, sums).collect(),
+                largest: pilot.largest[index].clone(),
+                dropped: sums.dropped,
+                next: pilot.part.range[1],
+            },
+            None => {
+                let pixels = tile.pixels().count();
+                let nothing = PixelSum::starting_at(self.replicates, self.range[0]);
+                let (sums, largest) = (vec![nothing; pixels], vec![0.0; pixels]);
+                Begun { sums, largest, dropped: 0, next: self.range[0] }
+            }
+        }
     }
 
     /// How many numbers the sums of each tile are, in the order of [`Tile::all`].
     pub fn lengths(&self) -> Vec<usize> {
-        let per_pixel = self.per_pixel();
-        Tile::all(self.size).iter().map(|tile| tile.pixels().count() * per_pixel).collect()
+        let even = self.per_pixel(self.range);
+        let of_tile = |tile: &Tile| match self.counts() {
+            None => tile.pixels().count() * even,
+            Some(_) => tile.pixels().map(|pixel| self.per_pixel(self.range_of(pixel))).sum(),
+        };
+        Tile::all(self.size).iter().map(of_tile).collect()
     }
 
     /// Memory that it takes once it is complete.
     pub fn bytes(&self) -> u64 {
         let [width, height] = self.size.map(u64::from);
-        width * height * 8 * self.per_pixel() as u64
+        width * height * 8 * self.per_pixel(self.range) as u64
     }
 
-    /// Numbers a pixel has.
-    fn per_pixel(&self) -> usize {
-        4 * self.levels().len() * self.replicates as usize
-    }
-
-    fn levels(&self) -> Vec<u32> {
-        levels(self.range.map(u64::from))
+    /// Numbers that a pixel with the samples of `range` has.
+    fn per_pixel(&self, range: [u32; 2]) -> usize {
+        4 * levels(range.map(u64::from)).len() * self.replicates as usize
     }
 
     /// Each tile's samples once it is finished, in the order of [`Tile::all`].
@@ -132,12 +217,15 @@ impl Part {
     /// Adds the samples that follow on these.
     ///
     /// # Errors
-    /// Parts of other images, parts with tiles missing, and ranges that don't adjoin.
+    /// Parts of other images, parts with tiles missing, numbers of samples by pixel, and ranges that don't adjoin.
     pub fn join(&self, next: &Self) -> Result<Self, ParamError> {
         let refused = |name, value, accepted| Err(ParamError::OutOfRange { name, value, accepted });
         if (self.size, self.replicates) != (next.size, next.replicates) {
             let pixels = f64::from(next.size[0]) * f64::from(next.size[1]);
             return refused("pixels of the next part", pixels, "the same film and number of replicates");
+        }
+        if self.allocation.is_some() || next.allocation.is_some() {
+            return refused("numbers of samples of a pixel", 2.0, "one, the same for all pixels");
         }
         if next.range[0] != self.range[1] {
             let first = f64::from(next.range[0]);
@@ -146,30 +234,36 @@ impl Part {
         if !(self.is_complete() && next.is_complete()) {
             return refused("share that is finished", self.share().min(next.share()), "1");
         }
-        let tiles = self.tiles.iter().zip(&next.tiles).map(|pair| match pair {
-            (Some(first), Some(second)) => Some(self.joined(first, second, next)),
+        let pairs = self.tiles.iter().zip(&next.tiles);
+        let tiles = Tile::all(self.size).into_iter().zip(pairs).map(|(tile, pair)| match pair {
+            (Some(first), Some(second)) => Some(self.joined(&tile, first, second, next)),
             _ => None,
         });
         Ok(Self { range: [self.range[0], next.range[1]], tiles: tiles.collect(), ..self.clone() })
     }
 
-    fn joined(&self, first: &TileSums, second: &TileSums, next: &Self) -> TileSums {
-        let rest = second.sums.chunks_exact(next.per_pixel());
+    fn joined(&self, tile: &Tile, first: &TileSums, second: &TileSums, next: &Self) -> TileSums {
+        let levels = levels(next.range.map(u64::from));
+        let rest = second.sums.chunks_exact(next.per_pixel(next.range));
         let pixels: Vec<PixelSum> = self
-            .pixels_of(first)
+            .pixels_of(tile, first)
             .zip(rest)
             .map(|(mut pixel, numbers)| {
-                pixel.append(&next.levels(), numbers);
+                pixel.append(&levels, numbers);
                 pixel
             })
             .collect();
         TileSums::new(&pixels, first.largest.max(second.largest), first.dropped + second.dropped)
     }
 
-    fn pixels_of<'a>(&'a self, tile: &'a TileSums) -> impl Iterator<Item = PixelSum> + 'a {
-        let levels = self.levels();
-        tile.sums.chunks_exact(self.per_pixel()).map(move |numbers| {
-            let mut pixel = PixelSum::starting_at(self.replicates, self.range[0]);
+    fn pixels_of<'a>(&'a self, tile: &Tile, sums: &'a TileSums) -> impl Iterator<Item = PixelSum> + use<'a> {
+        let mut rest = sums.sums.as_slice();
+        tile.pixels().map(move |pixel| {
+            let range = self.range_of(pixel);
+            let levels = levels(range.map(u64::from));
+            let (numbers, others) = rest.split_at(4 * levels.len() * self.replicates as usize);
+            rest = others;
+            let mut pixel = PixelSum::starting_at(self.replicates, range[0]);
             pixel.append(&levels, numbers);
             pixel
         })
@@ -182,7 +276,7 @@ impl Part {
         let mut image = vec![empty; width as usize * height as usize];
         for (tile, sums) in Tile::all(self.size).iter().zip(&self.tiles) {
             let Some(sums) = sums else { continue };
-            for ([x, y], pixel) in tile.pixels().zip(self.pixels_of(sums)) {
+            for ([x, y], pixel) in tile.pixels().zip(self.pixels_of(tile, sums)) {
                 image[y as usize * width as usize + x as usize] = pixel.estimate(reconstruction);
             }
         }
@@ -231,6 +325,31 @@ mod tests {
             );
         }
         assert!(whole.estimates(Reconstruction::Importance).iter().all(|p| p.samples == 26));
+    }
+
+    #[test]
+    fn pixels_can_have_numbers_of_samples_of_their_own() {
+        let counts: Vec<u32> = (0..20 * 17).map(|i| 1 + i % 5).collect();
+        let allocation = Allocation { counts: counts.clone(), pilot: None };
+        let mut part = Part::allocated([20, 17], 2, 3, allocation).unwrap();
+        for (index, tile) in Tile::all(part.size).iter().enumerate() {
+            let pixel = |pixel: [u32; 2]| {
+                let mut sum = PixelSum::new(2);
+                let all = (0..2).flat_map(|r| (0..part.range_of(pixel)[1]).map(move |i| (r, i)));
+                all.for_each(|(r, i)| sum.push(r, Rgb::splat((i + pixel[0]) as f32), 1.0));
+                sum
+            };
+            let pixels: Vec<PixelSum> = tile.pixels().map(pixel).collect();
+            part.finish(index, TileSums::new(&pixels, 0.0, 0));
+        }
+        let found = part.estimates(Reconstruction::Importance);
+        for ((place, count), pixel) in (0..).zip(&counts).zip(found) {
+            // The mean of the column and 0 to count − 1 on top of it.
+            let mean = f64::from(place % 20) + 0.5 * f64::from(count - 1);
+            assert_eq!((pixel.mean[0], pixel.samples), (mean, u64::from(2 * count)));
+        }
+        let short = Allocation { counts: vec![1; 339], pilot: None };
+        assert!(part.join(&part).is_err() && Part::allocated([20, 17], 2, 3, short).is_err());
     }
 
     #[test]

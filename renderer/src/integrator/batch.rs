@@ -1,7 +1,7 @@
 //! The third idea: work comes in batches.
 
 use crate::interaction::Interaction;
-use crate::math::{Frame, Rgb};
+use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 use crate::sampling::{Place, SampleId, Vertex};
 
@@ -20,6 +20,13 @@ pub struct Sample {
     pub lens: [f32; 2],
     /// Radiance [W m⁻² sr⁻¹] found so far.
     pub radiance: Rgb,
+}
+
+impl Sample {
+    /// What it adds to its pixel.
+    pub fn weighted(&self) -> Rgb {
+        self.radiance * self.weight
+    }
 }
 
 /// A light path being followed.
@@ -49,8 +56,6 @@ pub struct Surface {
     pub hit: Hit,
     /// The point hit.
     pub interaction: Interaction,
-    /// The frame around its shading normal.
-    pub frame: Frame,
 }
 
 /// A light point waiting for its shadow ray.
@@ -158,6 +163,16 @@ impl Batch {
             *radiance = sum;
         } else {
             self.dropped += 1;
+        }
+    }
+
+    /// Makes samples black that are not finite once they are weighed, and counts them as dropped.
+    pub fn drop_infinite(&mut self) {
+        for sample in &mut self.samples {
+            if !sample.weighted().is_finite() {
+                self.dropped += 1;
+                sample.radiance = Rgb::BLACK;
+            }
         }
     }
 }

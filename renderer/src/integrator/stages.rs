@@ -1,10 +1,12 @@
 //! The stages of a batch, each a loop over slices.
 
+use glam::Vec3;
+
 use super::batch::{Batch, Connection, Draws, Path, Surface};
 use crate::interaction::Interaction;
 use crate::lights::{Light, LightSample};
 use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe};
-use crate::math::Rgb;
+use crate::math::{Frame, Rgb};
 use crate::ray::Ray;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
@@ -89,27 +91,31 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
     for (index, (path, hit)) in (0..).zip(batch.paths.iter().zip(&batch.hits)) {
         if let Some(hit) = hit {
             let interaction = scene.accel.interaction(&path.ray, hit);
-            let frame = if scene.anisotropic {
-                scene.frame_along(&path.ray, hit, &interaction)
-            } else {
-                interaction.frame()
-            };
-            batch.surfaces.push(Surface { path: index, hit: *hit, interaction, frame });
+            batch.surfaces.push(Surface { path: index, hit: *hit, interaction });
         }
+    }
+}
+
+/// The frame in which the material of a surface sees directions.
+fn frame(scene: &Scene, path: &Path, surface: &Surface) -> Frame {
+    if scene.anisotropic {
+        scene.frame_along(&path.ray, &surface.hit, &surface.interaction)
+    } else {
+        surface.interaction.frame()
     }
 }
 
 /// Light that each path's ray has run into, weighed against the chance of having connected to it.
 pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     for index in 0..batch.surfaces.len() {
-        let Surface { path, hit, interaction, .. } = batch.surfaces[index];
-        let path = batch.paths[path as usize];
+        let Surface { path, hit, interaction } = &batch.surfaces[index];
         let ng = interaction.surface.ng;
         if let Some((index, light)) = scene.light_of(interaction.object)
             && ng.dot(interaction.wo) > 0.0
         {
+            let path = batch.paths[*path as usize];
             let pmf = scene.lights.pmf(index, path.ray.origin);
-            let pdf = pmf * light.pdf(&scene.accel, &path.ray, &hit, ng);
+            let pdf = pmf * light.pdf(&scene.accel, &path.ray, hit, ng);
             batch
                 .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
         }
@@ -163,50 +169,62 @@ pub fn light_points<S: Sampler>(
     let (pmfs, found) = points_on_lights(scene, &lit, draws);
     for (surface, (pmf, light)) in lit.iter().zip(pmfs.iter().zip(found)) {
         let Some(light) = light else { continue };
-        let Surface { path, interaction, frame, .. } = surface;
-        let path = &paths[*path as usize];
-        let bsdf = scene.material(interaction.object).bsdf(interaction.surface.uv);
-        let (wo, wi) = (frame.to_local(interaction.wo), frame.to_local(light.wi));
-        let f_cos = bsdf.eval_cos(wo, wi);
+        let interaction = &surface.interaction;
+        let path = &paths[surface.path as usize];
+        let alone = last && is_connected(scene, strategy, interaction.object);
+        let weighed = !(light.delta || alone || strategy == Strategy::Light);
+        let (f_cos, pdf_bsdf) = towards(scene, path, surface, light.wi, weighed);
         if f_cos.is_black() {
             continue;
         }
         let pdf = pmf * light.pdf;
-        let alone = last && is_connected(scene, strategy, interaction.object);
-        let weight = if light.delta || alone || strategy == Strategy::Light {
-            1.0
-        } else {
-            power_heuristic(pdf, bsdf.pdf(wo, wi))
-        };
+        let weight = if weighed { power_heuristic(pdf, pdf_bsdf) } else { 1.0 };
         let contribution = path.throughput * f_cos * light.radiance * (weight / pdf);
         connections.push(Connection { sample: path.sample, contribution });
         shadow_rays.push(light.shadow_ray);
     }
 }
 
+/// What the material of a surface makes of light from the direction `wi`: f |cos θᵢ|, and the density of that direction
+/// where it is asked for.
+#[inline]
+fn towards(scene: &Scene, path: &Path, surface: &Surface, wi: Vec3, with_pdf: bool) -> (Rgb, f32) {
+    let Interaction { surface: point, wo, object, .. } = &surface.interaction;
+    if let Some(matte) = scene.material(*object).matte(point.uv) {
+        return matte.eval_cos(wo.dot(point.n), wi.dot(point.n));
+    }
+    let frame = frame(scene, path, surface);
+    let bsdf = scene.material(*object).bsdf(point.uv);
+    let (wo, wi) = (frame.to_local(*wo), frame.to_local(wi));
+    let f_cos = bsdf.eval_cos(wo, wi);
+    let pdf = if with_pdf && !f_cos.is_black() { bsdf.pdf(wo, wi) } else { 0.0 };
+    (f_cos, pdf)
+}
+
 /// For each of `lit` the probability of the light chosen and a point on it.
 fn points_on_lights(scene: &Scene, lit: &[&Surface], draws: &Draws) -> (Vec<f32>, Vec<Option<LightSample>>) {
+    let mut found = Vec::with_capacity(lit.len());
+    if let [only] = scene.lights.as_slice() {
+        let from: Vec<&Interaction> = lit.iter().map(|surface| &surface.interaction).collect();
+        only.sample_each(&scene.accel, &from, &draws.points, &mut found);
+        return (vec![1.0; lit.len()], found);
+    }
     let choose = |(&u, surface): (&f32, &&Surface)| scene.lights.choose(u, surface.interaction.surface.point);
     let (lights, pmfs): (Vec<&Light>, Vec<f32>) = draws.choices.iter().zip(lit).map(choose).unzip();
     // Light by light, since a light finds many points faster than as many times one.
     let mut order: Vec<usize> = (0..lit.len()).collect();
-    if scene.lights.needs_choice() {
-        order.sort_unstable_by_key(|&k| std::ptr::from_ref(lights[k]));
-    }
+    order.sort_unstable_by_key(|&k| std::ptr::from_ref(lights[k]));
     let from: Vec<&Interaction> = order.iter().map(|&k| &lit[k].interaction).collect();
     let points: Vec<[f32; 2]> = order.iter().map(|&k| draws.points[k]).collect();
-    let (mut found, mut start) = (Vec::with_capacity(lit.len()), 0);
+    let mut start = 0;
     for run in order.chunk_by(|&a, &b| std::ptr::eq(lights[a], lights[b])) {
         let range = start..start + run.len();
         lights[run[0]].sample_each(&scene.accel, &from[range.clone()], &points[range], &mut found);
         start += run.len();
     }
-    if scene.lights.needs_choice() {
-        let mut in_place = vec![None; lit.len()];
-        order.iter().zip(found).for_each(|(&k, sample)| in_place[k] = sample);
-        found = in_place;
-    }
-    (pmfs, found)
+    let mut in_place = vec![None; lit.len()];
+    order.iter().zip(found).for_each(|(&k, sample)| in_place[k] = sample);
+    (pmfs, in_place)
 }
 
 /// Adds the light points that nothing hides.
@@ -250,7 +268,8 @@ pub fn scatter<S: Sampler>(scene: &Scene, sampler: &S, branch: Branch, batch: &m
     for (surface, (&u_lobe, &u)) in surfaces.iter().zip(draws.choices.iter().zip(&draws.points)) {
         let path = &paths[surface.path as usize];
         let id = samples[path.sample as usize].id;
-        Bounce { scene, sampler, surface, path, id, u_lobe, u }.follow(branch, next);
+        let frame = frame(scene, path, surface);
+        Bounce { scene, sampler, surface, frame, path, id, u_lobe, u }.follow(branch, next);
     }
     std::mem::swap(paths, next);
 }
@@ -260,6 +279,8 @@ struct Bounce<'a, S> {
     scene: &'a Scene,
     sampler: &'a S,
     surface: &'a Surface,
+    /// Around the surface's shading normal.
+    frame: Frame,
     path: &'a Path,
     id: SampleId,
     /// The numbers of the path's own branch for the choice of a lobe and a direction in it.
@@ -271,9 +292,14 @@ impl<S: Sampler> Bounce<'_, S> {
     fn follow(&self, branch: Branch, next: &mut Vec<Path>) {
         let interaction = &self.surface.interaction;
         let material = self.scene.material(interaction.object);
-        let bsdf = material.bsdf(interaction.surface.uv);
-        let wo = self.surface.frame.to_local(interaction.wo);
+        let wo = self.frame.to_local(interaction.wo);
         let vertex = self.path.vertex;
+        if let Some(matte) = material.matte(interaction.surface.uv) {
+            let sample = matte.sample(wo, self.u);
+            next.extend(sample.and_then(|sample| self.path_along(&sample, vertex.branch, 1.0)));
+            return;
+        }
+        let bsdf = material.bsdf(interaction.surface.uv);
         // branches of one path share nothing: each draws at its own vertex
         let direction = |branch: u32| {
             if branch == vertex.branch || !self.scene.calls_for(interaction.object).direction {
@@ -321,7 +347,7 @@ impl<S: Sampler> Bounce<'_, S> {
         branch: u32,
         factor: f32,
     ) -> Option<Path> {
-        let wo = self.surface.frame.to_local(self.surface.interaction.wo);
+        let wo = self.frame.to_local(self.surface.interaction.wo);
         let sample = bsdf.sample_branch(wo, which, u)?;
         // the weights of light and material samples add up to 1 for any density that both agree on
         let pdf = bsdf.pdf(wo, sample.wi);
@@ -334,7 +360,7 @@ impl<S: Sampler> Bounce<'_, S> {
             return None;
         }
         let interaction = &self.surface.interaction;
-        let ray: Ray = interaction.spawn(self.surface.frame.to_world(sample.wi));
+        let ray: Ray = interaction.spawn(self.frame.to_world(sample.wi));
         let eta = if sample.transmitted { sample.eta_rel * sample.eta_rel } else { 1.0 };
         let vertex = Vertex { bounce: self.path.vertex.bounce.saturating_add(1), branch, split: 0 };
         Some(Path {

@@ -1,7 +1,7 @@
 //! Files of renders that aren't whole: checkpoints, and ranges of samples to be merged.
 //!
-//! A header of lines, `name value`, up to an empty line; then, little-endian, for each finished tile its index (u32), the
-//! largest sample (f64), the number of dropped contributions (u64) and its sums (f64); then a CRC-32 of all before it.
+//! A header of lines, `name value`, up to an empty line; then, little-endian, the samples of each pixel (u32) if the header
+//! says that they have counts of their own; then for each finished tile its index (u32), the largest sample (f64), the number of dropped contributions (u64) and its sums (f64); then a CRC-32 of all before it.
 
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -9,10 +9,14 @@ use std::path::{Path, PathBuf};
 
 use super::image::Provenance;
 use crate::Error;
-use crate::film::{Film, Part, Reconstruction, TileSums};
+use crate::film::{Allocation, Film, Part, Reconstruction, TileSums};
 use crate::render::{RenderSettings, Rendering};
 
-const FORMAT: &str = "lightproof part 1";
+const FORMAT: &str = "lightproof part 2";
+
+/// Whether all pixels have the samples of the range, or each a number of its own.
+const EVEN: &str = "even";
+const EACH: &str = "each";
 
 /// What the samples of a part were made from; parts of one image agree in all of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -121,8 +125,10 @@ fn encode(origin: &Origin, part: &Part) -> Vec<u8> {
     for (name, value) in origin.lines() {
         header += &format!("{name} {value}\n");
     }
-    header += &format!("size {width} {height}\nreplicates {}\nrange {start} {end}\n\n", part.replicates);
+    header += &format!("size {width} {height}\nreplicates {}\nrange {start} {end}\n", part.replicates);
+    header += &format!("counts {}\n\n", if part.counts().is_some() { EACH } else { EVEN });
     let mut bytes = header.into_bytes();
+    part.counts().into_iter().flatten().for_each(|count| bytes.extend(count.to_le_bytes()));
     for (index, tile) in (0u32..).zip(part.tiles()) {
         let Some(tile) = tile else { continue };
         bytes.extend(index.to_le_bytes());
@@ -162,8 +168,27 @@ fn decode(bytes: &[u8]) -> Result<(Origin, Part), String> {
     if pixels == 0 || pixels > Film::MAX_PIXELS || replicates == 0 || range[0] >= range[1] {
         return Err("a film of 1 to 2^28 pixels, replicates and samples are accepted".into());
     }
-    let part = tiles(Part::new(size, replicates, range), &content[end + 2..])?;
-    Ok((origin, part))
+    let mut rest = &content[end + 2..];
+    let part = match header.text("counts")? {
+        EVEN => Part::new(size, replicates, range),
+        EACH => counted(size, replicates, range, &mut rest)?,
+        other => return Err(format!("counts is '{other}'; {EVEN} or {EACH} is accepted")),
+    };
+    Ok((origin, tiles(part, rest)?))
+}
+
+/// An empty part whose pixels have the numbers of samples with which `bytes` begin, which are taken off.
+fn counted(size: [u32; 2], replicates: u32, range: [u32; 2], bytes: &mut &[u8]) -> Result<Part, String> {
+    if range[0] != 0 {
+        return Err("range starts late; with counts of their own, pixels have samples from 0 on".into());
+    }
+    let cut_off = || String::from("the counts are cut off; one for each pixel is accepted");
+    let pixels = size[0] as usize * size[1] as usize;
+    let (counts, rest) = bytes.split_at_checked(4 * pixels).ok_or_else(cut_off)?;
+    *bytes = rest;
+    let counts = counts.as_chunks().0.iter().map(|count| u32::from_le_bytes(*count)).collect();
+    let allocation = Allocation { counts, pilot: None };
+    Part::allocated(size, replicates, range[1], allocation).map_err(|error| error.to_string())
 }
 
 /// Puts the tiles that `bytes` hold into an empty part.
@@ -247,6 +272,9 @@ mod tests {
     fn a_part_is_read_as_it_was_written() {
         let bytes = encode(&origin(), &part());
         assert_eq!(decode(&bytes), Ok((origin(), part())));
+        let allocation = Allocation { counts: (1..=60).collect(), pilot: None };
+        let counted = Part::allocated([20, 3], 2, 12, allocation).unwrap();
+        assert_eq!(decode(&encode(&origin(), &counted)), Ok((origin(), counted)));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
+use super::Material;
 use super::bsdf::{BsdfSample, Lobe};
 use crate::error::ParamError;
 use crate::math::Rgb;
@@ -54,5 +55,75 @@ impl Diffuse<Rgb> {
         let pdf = self.pdf(wo, wi);
         let (weight, lobe) = (self.reflectance, Lobe::Spread);
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe, transmitted: false, eta_rel: 1.0 })
+    }
+}
+
+impl Material {
+    /// What it is at the surface coordinates `uv` if it is diffuse, from one side or equally from both.
+    #[inline]
+    pub fn matte(&self, uv: [f32; 2]) -> Option<Matte> {
+        match self {
+            Self::Diffuse(m) => Some(Matte { diffuse: m.at(uv), two_sided: false }),
+            Self::TwoSided(inner) => match &**inner {
+                Self::Diffuse(m) => Some(Matte { diffuse: m.at(uv), two_sided: true }),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Whether it is diffuse, from one side or equally from both.
+    pub fn is_matte(&self) -> bool {
+        match self {
+            Self::Diffuse(_) => true,
+            Self::TwoSided(inner) => inner.is_matte(),
+            _ => false,
+        }
+    }
+}
+
+/// A diffuse surface at one point, of which one side scatters, or both alike: what its [`super::Bsdf`] says, without asking
+/// which material it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Matte {
+    pub(super) diffuse: Diffuse<Rgb>,
+    pub(super) two_sided: bool,
+}
+
+impl Matte {
+    /// f |cos θᵢ| \[1/sr\] and the density of the direction towards the light, by the cosines of both directions.
+    #[inline]
+    pub fn eval_cos(&self, cos_o: f32, cos_i: f32) -> (Rgb, f32) {
+        let sign = if self.two_sided && cos_o < 0.0 { -1.0 } else { 1.0 };
+        let [wo, wi] = [cos_o, cos_i].map(|cos| Vec3::new(0.0, 0.0, sign * cos));
+        (self.diffuse.eval(wo, wi) * cos_i.abs(), self.diffuse.pdf(wo, wi))
+    }
+
+    /// A direction in proportion to its cosine.
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
+        let sign = if self.two_sided && wo.z < 0.0 { -1.0 } else { 1.0 };
+        self.diffuse.sample(sign * wo, u).map(|sample| BsdfSample { wi: sign * sample.wi, ..sample })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matte_surface_is_what_its_bsdf_says() {
+        let one = Material::new_diffuse(Rgb { r: 0.3, g: 0.6, b: 0.9 }.into()).unwrap();
+        let both = Material::TwoSided(Box::new(one.clone()));
+        let (up, aside) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.48, 0.64, 0.6));
+        for material in [one, both] {
+            let (matte, bsdf) = (material.matte([0.0; 2]).unwrap(), material.bsdf([0.0; 2]));
+            for (wo, wi) in [(up, aside), (-up, aside), (up, -aside), (-up, -aside)] {
+                assert_eq!(matte.eval_cos(wo.z, wi.z), (bsdf.eval_cos(wo, wi), bsdf.pdf(wo, wi)));
+                assert_eq!(matte.sample(wo, [0.3, 0.9]), bsdf.sample(wo, 0.5, [0.3, 0.9]));
+            }
+        }
+        let mirror = Material::new_mirror(Rgb::WHITE.into()).unwrap();
+        assert_eq!(Material::TwoSided(Box::new(mirror)).matte([0.0; 2]), None);
     }
 }

@@ -29,7 +29,7 @@ pub use blur_disk::BlurDisk;
 pub use bsdf::{Branch, Bsdf, BsdfSample, Lobe};
 pub use conductor::{Conductor, Metal};
 pub use dielectric::Dielectric;
-pub use diffuse::Diffuse;
+pub use diffuse::{Diffuse, Matte};
 pub use faces::Faces;
 pub use facets::Facets;
 pub use mask::Mask;
@@ -367,15 +367,6 @@ impl Material {
             Self::Blend(m) => m.calls_for(),
             Self::Faces(m) => m.calls_for(),
             Self::TwoSided(inner) => inner.calls_for(),
-        }
-    }
-
-    /// Whether it is diffuse, from one side or equally from both.
-    pub fn is_matte(&self) -> bool {
-        match self {
-            Self::Diffuse(_) => true,
-            Self::TwoSided(inner) => inner.is_matte(),
-            _ => false,
         }
     }
 

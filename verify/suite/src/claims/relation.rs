@@ -14,6 +14,7 @@ use renderer::texture::Texture;
 use verify::claim::{Claim, Level, claim};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
+mod allocation;
 mod unchanged;
 
 use crate::bounds;
@@ -78,6 +79,7 @@ pub(super) fn claims() -> Vec<Claim> {
             [u32::MAX, 1].map(roulette_from).into()
         }),
     ];
+    list.extend(allocation::claims());
     list.extend(unchanged::claims());
     list.into_iter().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }

@@ -11,7 +11,7 @@ use renderer::film::{Part, Reconstruction};
 use renderer::integrator::PathTracer;
 use renderer::io;
 use renderer::io::part::Origin;
-use renderer::render::{self, RenderSettings};
+use renderer::render::{self, RenderSettings, pilot};
 use renderer::sampling::SamplerKind;
 use renderer::scene::{Branch, Effect, IntegratorSettings, Scene, SceneDescription};
 
@@ -25,6 +25,7 @@ const EXAMPLES: &str = "Examples:
   lightproof render references/scenes/cornell.xml
   lightproof render scene.xml -o preview.png --spp 16 -D res=128
   lightproof render glass.xml --integrator distribution --branch both --replicates 32
+  lightproof render scene.xml --spp 64 --allocate          most samples where the image is most uncertain
   lightproof render scene.xml --spp 4096 --resume          go on where a run was cut off
   lightproof render scene.xml --spp 64 --samples 0..8 -o first.part
 
@@ -69,6 +70,9 @@ pub(super) struct Args {
     /// Only these samples of each replicate, written as a .part for `merge`
     #[arg(long, value_name = "A..B", value_parser = range)]
     samples: Option<Range<u32>>,
+    /// Gives pixels samples in proportion to their error, as a quarter of them, taken first, finds it; --spp is their mean
+    #[arg(long, conflicts_with = "samples")]
+    allocate: bool,
     /// Goes on from the checkpoint of a run of the same scene and options that was cut off, if there is one
     #[arg(long)]
     resume: bool,
@@ -119,11 +123,12 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     let how = format!("{:?} {:?} {:?}", description.integrator, description.film, args.without);
     let origin = Origin::new(description.hash, &settings, &how, description.film.reconstruction);
     let checkpoint = Checkpoint::beside(&output, origin.clone(), Duration::from_secs_f64(args.checkpoint));
-    let part = if args.resume { checkpoint.resume(part)? } else { part };
     let scene = Scene::new(&description)?;
     let integrator = PathTracer { settings: description.integrator };
     let bar = progress_bar();
     let start = std::time::Instant::now();
+    let part = if args.allocate { pilot::allocated(&scene, &integrator, &settings)? } else { part };
+    let part = if args.resume { checkpoint.resume(part)? } else { part };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 1000 steps")]
     let watch = |part: &Part| {
         bar.set_position((part.share() * 1000.0) as u64);

@@ -40,7 +40,7 @@ impl Checkpoint {
         if let Some(difference) = origin.difference(&self.origin) {
             return Err(other(difference));
         }
-        if (found.size, found.replicates, found.range) != (wanted.size, wanted.replicates, wanted.range) {
+        if !found.is_of_samples(&wanted) {
             return Err(other("it holds other samples; those of the same options are accepted".into()));
         }
         Ok(found)
