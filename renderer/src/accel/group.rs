@@ -39,7 +39,7 @@ const PACKETS_FROM: usize = 16;
 /// The nearest hit, alone and in turns; any hit, alone and in turns.
 pub(super) struct Closest;
 struct ClosestAhead;
-struct Any;
+pub(super) struct Any;
 struct AnyAhead;
 
 impl Mode for Closest {

@@ -137,7 +137,7 @@ impl Search {
     #[inline]
     pub(super) fn leaf<M: Mode>(&mut self, tree: &Tree, leaf: usize, context: &mut Context) {
         let block = tree.block(leaf);
-        let (mut lanes, certain) = block.candidates(&self.ray, &mut self.probe);
+        let (mut lanes, certain) = block.candidates::<M>(&self.ray, &mut self.probe);
         if M::ANY && certain != 0 {
             self.is_blocked = true;
             return;
