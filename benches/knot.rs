@@ -87,8 +87,6 @@ pub struct RaySet {
     pub name: &'static str,
     /// The rays.
     pub rays: Vec<Ray>,
-    /// Whether the question is what lies on them, not what is nearest.
-    pub occlusion: bool,
 }
 
 /// Rays from a camera in squares of 8 × 8 pixels, `side` pixels each way; cosine-distributed rays from what they meet,
@@ -111,12 +109,12 @@ pub fn ray_sets(accel: &Accel, side: u32) -> Vec<RaySet> {
     }
     let mut shuffled = secondary.clone();
     shuffled.shuffle(rng);
-    let set = |name, rays, occlusion| RaySet { name, rays, occlusion };
+    let set = |name, rays| RaySet { name, rays };
     vec![
-        set("coherent", camera, false),
-        set("secondary", secondary, false),
-        set("shuffled", shuffled, false),
-        set("shadow", shadow, true),
+        set("coherent", camera),
+        set("secondary", secondary),
+        set("shuffled", shuffled),
+        set("shadow", shadow),
     ]
 }
 

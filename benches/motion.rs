@@ -1,11 +1,12 @@
 //! Boxes that a ray meets, and time a ray, against how far objects move, for each way to index them.
 //!
+//! The last column is the time in units of that for the same cubes without a motion, of turns of both.
 //! `cargo bench -p benches --bench motion`: a table, and the picture `target/tmp/motion.svg` beside the model.
 
 use std::f64::consts::PI;
 use std::path::Path;
-use std::time::Instant;
 
+use benches::{busy, median};
 use glam::{DAffine3, DVec3, Vec3};
 use plotters::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -18,6 +19,9 @@ use renderer::shapes::{Shape, ShapeSettings};
 
 /// Lengths of the motion in sides of the cubes.
 const LENGTHS: [f64; 8] = [0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 6.0, 8.0];
+
+/// Turns of the moving and the still scene.
+const ROUNDS: usize = 5;
 
 const INDICES: [(&str, MotionIndex); 4] = [
     ("swept", MotionIndex::Swept),
@@ -38,10 +42,11 @@ fn main() {
     let ways: Vec<DVec3> = ways.iter().map(|way| way.as_dvec3()).collect();
     let places: Vec<DVec3> = ways.iter().map(|_| place(rng).as_dvec3()).collect();
     let rays: Vec<Ray> = (0..100_000).map(|_| ray(rng)).collect();
+    let still = Accel::new(places.iter().map(|place| resting(*place)).collect(), [0.0, 1.0]);
     let mut curves = Vec::new();
     println!(
-        "{:26} {:>6} {:>10} {:>10} {:>8} {:>9}",
-        "index", "length", "leaf boxes", "to rest", "model", "ns a ray"
+        "{:26} {:>6} {:>10} {:>10} {:>8} {:>9} {:>8}",
+        "index", "length", "leaf boxes", "to rest", "model", "ns a ray", "to still"
     );
     for (name, index) in INDICES {
         let mut curve: Vec<(f64, f64)> = Vec::new();
@@ -49,15 +54,16 @@ fn main() {
         for m in LENGTHS {
             let objects = places.iter().zip(&ways).map(|(place, way)| cube(*place, *way * m)).collect();
             let accel = Accel::indexed(objects, [0.0, 1.0], index);
-            let mut hits = Vec::new();
-            let start = Instant::now();
-            rays.chunks(4096).for_each(|batch| accel.closest(batch, &mut hits));
-            let time = start.elapsed().as_secs_f64() * 1e9 / rays.len() as f64;
+            let turns = (0..ROUNDS).map(|_| [time(&accel, &rays), time(&still, &rays)]);
+            let turns: Vec<[f64; 2]> = turns.collect();
+            let ns = median(turns.iter().map(|turn| turn[0]).collect());
+            let ratio = median(turns.iter().map(|turn| turn[0] / turn[1]).collect());
             let met = accel.boxes_met(&rays)[1] as f64 / rays.len() as f64;
             if m == 0.0 {
                 rest = met;
             }
-            println!("{name:26} {m:6} {met:10.3} {:10.2} {:8.2} {time:9.0}", met / rest, model(m));
+            let (grown, model) = (met / rest, model(m));
+            println!("{name:26} {m:6} {met:10.3} {grown:10.2} {model:8.2} {ns:9.0} {ratio:8.2}");
             curve.push((m, met / rest));
         }
         curves.push((name, curve));
@@ -67,6 +73,14 @@ fn main() {
         Ok(()) => println!("drawn in {}", path.display()),
         Err(error) => println!("{}: {error}", path.display()),
     }
+}
+
+/// Nanoseconds of processor time a ray.
+fn time(accel: &Accel, rays: &[Ray]) -> f64 {
+    let mut hits = Vec::new();
+    let start = busy();
+    rays.chunks(4096).for_each(|batch| accel.closest(batch, &mut hits));
+    (busy() - start) * 1e9 / rays.len() as f64
 }
 
 fn place(rng: &mut Pcg64) -> Vec3 {
@@ -87,6 +101,12 @@ fn cube(place: DVec3, way: DVec3) -> Object {
     let at = |s: f64| DAffine3::from_translation(place + way * s);
     let motion = Motion::keyed(vec![(0.0, at(-0.5)), (1.0, at(0.5))]);
     Object::moving(shape.expect("a regular shape"), motion.expect("regular keys"))
+}
+
+/// A cube of side 1 around `place` that has no motion.
+fn resting(place: DVec3) -> Object {
+    let map = DAffine3::from_translation(place) * DAffine3::from_scale(DVec3::splat(0.5));
+    Object::still(Shape::new(&ShapeSettings::Cube, &map, false).expect("a regular shape"))
 }
 
 fn draw(path: &Path, curves: &[(&str, Vec<(f64, f64)>)]) -> Result<(), Box<dyn std::error::Error>> {

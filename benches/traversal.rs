@@ -2,6 +2,7 @@
 //!
 //! `cargo bench -p benches --bench traversal [-- ROUNDS]`: rates in million rays a second and ratios to Embree, medians
 //! over rounds in which both take turns. Of one thread processor time counts, of two the clock. See README.md.
+//! Camera rays are compared with Embree's packets of 16, too.
 
 use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -35,10 +36,13 @@ fn main() {
         println!("\n{threads} threads");
         println!("{:24} {:>9} {:>9} {:>9} {:>7}", "rays", "Mray/s", "Embree's", "default", "ratio");
         for (index, set) in sets.iter().enumerate() {
-            for occlusion in [false, true] {
-                if set.occlusion <= occlusion {
-                    compare(&pool, &accel, &mut embree, &Case { set, index, occlusion, threads, rounds });
-                }
+            let queries = match set.name {
+                "coherent" => &["closest", "closest16", "occluded"][..],
+                "shadow" => &["occluded"],
+                _ => &["closest", "occluded"],
+            };
+            for query in queries {
+                compare(&pool, &accel, &mut embree, &Case { set, index, query, threads, rounds });
             }
         }
     }
@@ -48,17 +52,18 @@ fn main() {
 struct Case<'a> {
     set: &'a RaySet,
     index: usize,
-    occlusion: bool,
+    /// What Embree is asked.
+    query: &'static str,
     threads: usize,
     rounds: usize,
 }
 
 fn compare(pool: &rayon::ThreadPool, accel: &Accel, embree: &mut Option<Embree>, case: &Case) {
     let rate = |seconds: f64| case.set.rays.len() as f64 * 1e-6 / seconds;
-    let query = if case.occlusion { "occluded" } else { "closest" };
+    let (query, occlusion) = (case.query, case.query == "occluded");
     let (mut ours, mut theirs, mut default) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..case.rounds {
-        let ([wall, processor], hits) = pool.install(|| time(accel, &case.set.rays, case.occlusion));
+        let ([wall, processor], hits) = pool.install(|| time(accel, &case.set.rays, occlusion));
         let seconds = if case.threads == 1 && processor.is_finite() { processor } else { wall };
         ours.push(rate(seconds));
         if let Some(embree) = embree {

@@ -146,6 +146,41 @@ proptest! {
     }
 
     #[test]
+    fn rays_that_go_together_find_what_each_finds_alone(seed: u64, count in 1usize..20, spread in 0f64..0.02) {
+        let rng = &mut Pcg64::seed_from_u64(seed);
+        let mut objects: Vec<Object> = (0..count).map(|_| object(rng)).collect();
+        // Large enough for packets.
+        let bumpy = globe(48, |_| 1.0 + 0.1 * rng.random::<f64>());
+        let bumpy = Shape::new(&ShapeSettings::Mesh(Arc::new(bumpy)), &DAffine3::IDENTITY, false);
+        objects.push(Object::still(bumpy.expect("a regular shape")));
+        let accel = Accel::new(objects, [0.0, 1.0]);
+        let mut rays = Vec::new();
+        for bundle in 0..40 {
+            let (origin, aim) = (inside(rng, 12.0), inside(rng, if bundle % 2 == 0 { 0.5 } else { 3.0 }));
+            // Along an axis, some rays of a bundle point to its other side, or have no part along it.
+            let axis = bundle % 4 == 0;
+            for ray in 0..19 {
+                let start = origin + if bundle % 2 == 0 { DVec3::ZERO } else { inside(rng, 0.1) };
+                let turn = inside(rng, spread) * f64::from(ray % 3);
+                let way = if axis { DVec3::X + turn } else { (aim - origin).normalize() + turn };
+                let t_max = if ray % 2 == 0 { f32::INFINITY } else { 16.0 * rng.random::<f32>() };
+                rays.push(Ray { t_max, ..Ray::new(start.as_vec3(), way.normalize().as_vec3(), rng.random()) });
+            }
+        }
+        let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+        accel.closest(&rays, &mut hits);
+        accel.occluded(&rays, &mut blocked);
+        prop_assert!(hits.iter().any(Option::is_some) && hits.iter().any(Option::is_none));
+        for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
+            let (mut hit_alone, mut blocked_alone) = (Vec::new(), Vec::new());
+            accel.closest(std::slice::from_ref(ray), &mut hit_alone);
+            accel.occluded(std::slice::from_ref(ray), &mut blocked_alone);
+            prop_assert_eq!((&hit_alone[0], blocked_alone[0]), (hit, blocked));
+            prop_assert_eq!(hit.is_some(), blocked);
+        }
+    }
+
+    #[test]
     fn hits_lie_on_their_rays(seed: u64) {
         let rng = &mut Pcg64::seed_from_u64(seed);
         let accel = Accel::new((0..8).map(|_| object(rng)).collect(), [0.0, 1.0]);

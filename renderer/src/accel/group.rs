@@ -6,13 +6,14 @@ use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
-use rayon::prelude::*;
 
-use super::block::Block;
+use super::block::{BlockMemory, block};
 use super::collapse::{WideTree, collapse};
-use super::node::{Bounds32, Child, Node, Slab, WIDTH, limit};
+use super::memory::Array;
+use super::node::{Bounds32, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
-use super::walk::{Entry, Mode, Walker};
+use super::packet::{Packet, RAYS, Waiting};
+use super::walk::{Entry, Mode, Search, Tree, Walker, walk};
 use crate::math::bounds::Bounds;
 use crate::ray::{Hit, Ray};
 use crate::shapes::{Shape, ShapeHit};
@@ -32,10 +33,13 @@ const CACHED: usize = 1 << 22;
 /// Rays walked in turns; measured in benches/README.md.
 const LANES: usize = 12;
 
+/// Nodes from which on a tree is walked by packets; measured in benches/README.md.
+const PACKETS_FROM: usize = 16;
+
 /// The nearest hit, alone and in turns; any hit, alone and in turns.
 pub(super) struct Closest;
 struct ClosestAhead;
-struct Any;
+pub(super) struct Any;
 struct AnyAhead;
 
 impl Mode for Closest {
@@ -72,10 +76,10 @@ struct Item {
 #[derive(Debug)]
 pub(super) struct Group {
     pub(super) root: Child,
-    pub(super) nodes: Vec<Node>,
-    pub(super) blocks: Vec<Block>,
+    nodes: Array<NodeMemory>,
+    blocks: Array<BlockMemory>,
     /// Object and element of each item in the order of the blocks.
-    ids: Vec<[u32; 2]>,
+    ids: Array<[u32; 2]>,
     /// What a walk's stack may hold.
     stack: usize,
     /// Whether the space is an object's own.
@@ -90,12 +94,13 @@ pub(super) struct Context<'a> {
     pub(super) stack: Vec<Entry>,
     pub(super) inner_stack: Vec<Entry>,
     pub(super) moving_stack: Vec<Entry>,
+    pub(super) waiting: Vec<Waiting>,
 }
 
 impl<'a> Context<'a> {
     pub(super) fn new(objects: &'a [Object], inner: &'a [Option<Group>]) -> Self {
-        let (stack, inner_stack, moving_stack) = Default::default();
-        Self { objects, inner, stack, inner_stack, moving_stack }
+        let (stack, inner_stack, moving_stack, waiting) = Default::default();
+        Self { objects, inner, stack, inner_stack, moving_stack, waiting }
     }
 
     /// The hit of a moving object.
@@ -145,50 +150,48 @@ impl Group {
         let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
         let WideTree { root, nodes, leaf_ends, order, depth } =
             collapse(&binary, &|item| if list[item as usize].triangle.is_some() { 1 } else { 8 });
-        let block = |leaf: usize| {
+        let leaf = |leaf: usize| {
             let first = if leaf == 0 { 0 } else { leaf_ends[leaf - 1] };
             let mut lanes = [None; 8];
             let items = &order[first as usize..leaf_ends[leaf] as usize];
             for (lane, &item) in lanes.iter_mut().zip(items) {
                 *lane = list[item as usize].triangle;
             }
-            Block::new(&lanes[..items.len()], first)
+            block(&lanes[..items.len()], first)
         };
-        let blocks = (0..leaf_ends.len()).into_par_iter().map(block).collect();
-        let ids = order.par_iter().map(|&i| list[i as usize].id).collect();
+        let blocks = Array::new(leaf_ends.len(), leaf);
+        let nodes = Array::new(nodes.len(), |index| nodes[index].to_memory());
+        let ids = Array::new(order.len(), |i| list[order[i] as usize].id);
         Self { root, nodes, blocks, ids, stack: 7 * depth + 1, is_inner: false }
     }
 
-    /// Fetches a node or leaf into the cache.
+    /// The group with its arrays at hand.
     #[inline]
-    pub(super) fn prefetch(&self, child: Child) {
-        match child.leaf() {
-            None => self.nodes[child.node()].prefetch(),
-            Some(leaf) => self.blocks[leaf].prefetch(),
-        }
+    fn tree(&self) -> Tree<'_> {
+        Tree { group: self, nodes: self.nodes.as_slice(), blocks: self.blocks.as_slice() }
     }
 
     /// The nearest hit of one ray in an object's own space.
     fn closest_of(&self, ray: &Ray, context: &mut Context) -> Option<Hit> {
+        let tree = self.tree();
         let mut stack = std::mem::take(&mut context.inner_stack);
         stack.resize(self.stack, Entry::default());
-        let mut walker = Walker::new(self, ray, 0, 0);
-        walker.walk::<Closest>(self, &mut stack, context);
+        let search = walk::<Closest>(&tree, ray, &mut stack, context);
         context.inner_stack = stack;
-        walker.hit(self)
+        search.hit(self)
     }
 
     /// Number of boxes that the ray meets before `reach`: around nodes, and around leaves.
     pub(super) fn boxes_met(&self, ray: &Ray, reach: f32) -> [u64; 2] {
-        let slab = Slab::new(ray);
+        let (slab, tree) = (Slab::new(ray), self.tree());
         let mut met = [0; 2];
         let mut waiting = vec![self.root];
         while let Some(child) = waiting.pop() {
             if child.leaf().is_none() {
-                let node = &self.nodes[child.node()];
+                let node = tree.node(child);
                 let (mask, _) = node.enter(&slab, limit(reach));
                 let slots = (0..WIDTH).filter(|slot| mask >> slot & 1 == 1);
-                for child in slots.map(|slot| node.children()[slot]) {
+                for child in slots.map(|slot| node.child(slot)) {
                     met[usize::from(child.leaf().is_some())] += 1;
                     waiting.push(child);
                 }
@@ -197,24 +200,43 @@ impl Group {
         met
     }
 
-    /// Walks rays one after the other and calls `done` with the index and hit of each.
+    /// Walks rays one after the other and calls `done` with the index of each and what it found.
     #[inline]
-    fn walk_each<M: Mode>(&self, rays: &[Ray], context: &mut Context, mut done: impl FnMut(&Walker)) {
+    fn walk_each<M: Mode>(&self, rays: &[Ray], context: &mut Context, mut done: impl FnMut(usize, &Search)) {
         let mut stack = std::mem::take(&mut context.stack);
         stack.resize(self.stack, Entry::default());
-        for (index, ray) in rays.iter().enumerate() {
-            let mut walker = Walker::new(self, ray, index, 0);
-            walker.walk::<M>(self, &mut stack, context);
-            done(&walker);
+        let mut waiting = std::mem::take(&mut context.waiting);
+        let tree = self.tree();
+        let (packets, others) =
+            if tree.nodes.len() < PACKETS_FROM { (&[][..], rays) } else { rays.as_chunks::<RAYS>() };
+        let mut index = 0..;
+        for rays in packets {
+            if let Some(packet) = Packet::new(rays) {
+                let found = packet.walk::<M>(&tree, rays, &mut waiting, context);
+                found.iter().zip(&mut index).for_each(|(found, index)| done(index, found));
+            } else {
+                for (ray, index) in rays.iter().zip(&mut index) {
+                    done(index, &walk::<M>(&tree, ray, &mut stack, context));
+                }
+            }
         }
-        context.stack = stack;
+        for (ray, index) in others.iter().zip(&mut index) {
+            done(index, &walk::<M>(&tree, ray, &mut stack, context));
+        }
+        (context.stack, context.waiting) = (stack, waiting);
     }
 
     /// Walks `LANES` rays in turns, so that one computes while others wait for memory; calls `done` as `walk_each` does.
     #[inline]
-    fn walk_in_turns<M: Mode>(&self, rays: &[Ray], context: &mut Context, mut done: impl FnMut(&Walker)) {
+    fn walk_in_turns<M: Mode>(
+        &self,
+        rays: &[Ray],
+        context: &mut Context,
+        mut done: impl FnMut(usize, &Search),
+    ) {
         let mut stack = std::mem::take(&mut context.stack);
         stack.resize(LANES * self.stack, Entry::default());
+        let tree = self.tree();
         let mut waiting = rays.iter().enumerate();
         let start = |(lane, (index, ray))| Walker::new(self, ray, index, lane * self.stack);
         let mut walkers: Vec<Walker> = (0..LANES).zip(waiting.by_ref()).map(start).collect();
@@ -222,11 +244,11 @@ impl Group {
             let mut lane = 0;
             while let Some(walker) = walkers.get_mut(lane) {
                 if walker.is_walking() {
-                    walker.step::<M>(self, &mut stack, context);
+                    walker.step::<M>(&tree, &mut stack, context);
                     lane += 1;
                     continue;
                 }
-                done(walker);
+                done(walker.index, &walker.search);
                 match waiting.next() {
                     Some((index, ray)) => walker.restart(self, ray, index),
                     None => drop(walkers.swap_remove(lane)),
@@ -238,34 +260,47 @@ impl Group {
 
     /// The nearest hit of each ray.
     pub(super) fn closest(&self, rays: &[Ray], context: &mut Context, hits: &mut [Option<Hit>]) {
+        if self.root == Child::NONE {
+            return;
+        }
         if self.is_cached() || are_coherent(rays) {
-            self.walk_each::<Closest>(rays, context, |w| hits[w.index] = w.hit(self));
+            self.walk_each::<Closest>(rays, context, |i, found| hits[i] = found.hit(self));
         } else {
-            self.walk_in_turns::<ClosestAhead>(rays, context, |w| hits[w.index] = w.hit(self));
+            self.walk_in_turns::<ClosestAhead>(rays, context, |i, found| hits[i] = found.hit(self));
         }
     }
 
     /// Whether anything is hit.
     pub(super) fn occluded(&self, rays: &[Ray], context: &mut Context, blocked: &mut [bool]) {
+        if self.root == Child::NONE {
+            return;
+        }
         if self.is_cached() || are_coherent(rays) {
-            self.walk_each::<Any>(rays, context, |w| blocked[w.index] = w.has_hit());
+            self.walk_each::<Any>(rays, context, |i, found| blocked[i] = found.is_blocked());
         } else {
-            self.walk_in_turns::<AnyAhead>(rays, context, |w| blocked[w.index] = w.has_hit());
+            self.walk_in_turns::<AnyAhead>(rays, context, |i, found| blocked[i] = found.is_blocked());
         }
     }
 
     fn is_cached(&self) -> bool {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice()) <= CACHED
+        let tree = self.tree();
+        size_of_val(tree.nodes) + size_of_val(tree.blocks) <= CACHED
+    }
+
+    /// Fetches what `hit` will look up into the cache.
+    #[inline]
+    pub(super) fn prefetch_name(&self, index: usize) {
+        prefetch(&self.ids.as_slice()[index]);
     }
 
     pub(super) fn hit(&self, index: usize, hit: ShapeHit) -> Hit {
-        let [object, element] = self.ids[index];
+        let [object, element] = self.ids.as_slice()[index];
         Hit { t: hit.t, object, element, uv: hit.uv }
     }
 
     /// The hit of an item that isn't a triangle at rest.
     pub(super) fn other(&self, index: usize, ray: &Ray, context: &mut Context) -> Option<Hit> {
-        let [id, element] = self.ids[index];
+        let [id, element] = self.ids.as_slice()[index];
         let object = &context.objects[id as usize];
         if object.motion.is_some() && !self.is_inner {
             return context.object(id, ray);
@@ -294,7 +329,7 @@ fn elements(object: u32, shape: &Shape) -> impl Iterator<Item = Item> + '_ {
 /// before has left there.
 fn are_coherent(rays: &[Ray]) -> bool {
     let pairs = rays.windows(2).step_by(8);
-    let along = pairs.clone().filter(|p| p[0].direction.dot(p[1].direction) > 0.9).count();
+    let along = pairs.clone().filter(|p| p[0].direction.dot(p[1].direction) > 0.995).count();
     2 * along >= pairs.len()
 }
 
@@ -328,13 +363,13 @@ mod tests {
         let rays: Vec<Ray> = (0..500).map(|n| Ray::new(point(3 * n) * 4.0, point(5 * n + 1), 0.0)).collect();
         let context = &mut Context::new(&objects, &[]);
         let (mut alone, mut in_turns) = (vec![None; rays.len()], vec![None; rays.len()]);
-        group.walk_each::<Closest>(&rays, context, |w| alone[w.index] = w.hit(&group));
-        group.walk_in_turns::<ClosestAhead>(&rays, context, |w| in_turns[w.index] = w.hit(&group));
+        group.walk_each::<Closest>(&rays, context, |i, found| alone[i] = found.hit(&group));
+        group.walk_in_turns::<ClosestAhead>(&rays, context, |i, found| in_turns[i] = found.hit(&group));
         assert_eq!(alone, in_turns);
         assert!(alone.iter().any(Option::is_some) && alone.iter().any(Option::is_none));
         let (mut each, mut turns) = (vec![false; rays.len()], vec![false; rays.len()]);
-        group.walk_each::<Any>(&rays, context, |w| each[w.index] = w.has_hit());
-        group.walk_in_turns::<AnyAhead>(&rays, context, |w| turns[w.index] = w.has_hit());
+        group.walk_each::<Any>(&rays, context, |i, found| each[i] = found.is_blocked());
+        group.walk_in_turns::<AnyAhead>(&rays, context, |i, found| turns[i] = found.is_blocked());
         assert!(each == turns && each.iter().zip(&alone).all(|(any, hit)| *any == hit.is_some()));
     }
 }

@@ -3,9 +3,11 @@
 mod block;
 mod collapse;
 mod group;
+mod memory;
 mod moving;
 mod node;
 mod object;
+mod packet;
 mod walk;
 
 pub use object::Object;

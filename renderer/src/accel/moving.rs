@@ -139,10 +139,10 @@ impl MovingTrees {
             } else {
                 let node = &segment.nodes[next.node()];
                 let (mask, near) = node.enter(&slab, through, reach);
-                next = pending.choose::<Closest>(mask, &near, &node.children, |_| ());
+                next = pending.choose::<Closest>(mask, &near, |slot| node.children[slot], |_| ());
             }
             if next == Child::NONE {
-                next = pending.pop(reach);
+                next = pending.pop::<Closest>(reach);
             }
         }
         context.moving_stack = stack;
@@ -224,7 +224,7 @@ impl MovingNode {
     }
 
     #[inline]
-    fn enter(&self, slab: &Slab, through: f32, limit: f32) -> (u32, [f32; WIDTH]) {
+    fn enter(&self, slab: &Slab, through: f32, limit: f32) -> (u32, f32x8) {
         let through = f32x8::splat(through);
         slab.enter(|axis, side| self.change[axis][side].mul_add(through, self.sides[axis][side]), limit)
     }

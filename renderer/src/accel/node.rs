@@ -1,7 +1,7 @@
 //! Nodes of eight boxes, and rays prepared for them.
 
 use glam::Vec3;
-use wide::f32x8;
+use wide::{f32x8, f32x16};
 
 use crate::math::bounds::Bounds;
 use crate::ray::Ray;
@@ -42,6 +42,19 @@ impl Child {
         }
     }
 
+    /// A number for it.
+    #[inline]
+    pub(super) fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The child whose number is the lower half of `bits`.
+    #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "the upper half is dropped")]
+    pub(super) fn from_bits(bits: u64) -> Self {
+        Self(bits as u32)
+    }
+
     /// The index of the leaf, if it is one.
     #[inline]
     pub(super) fn leaf(self) -> Option<usize> {
@@ -56,13 +69,15 @@ impl Child {
 }
 
 /// Up to eight boxes with what is in them.
-#[derive(Debug, Clone, Copy)]
-#[repr(C, align(64))]
+#[derive(Debug, Clone)]
 pub(super) struct Node {
     /// Lower and upper sides by axis; a slot without a child has them the wrong way round, at infinity.
-    sides: [[f32x8; 2]; 3],
+    sides: [[[f32; WIDTH]; 2]; 3],
     children: [Child; WIDTH],
 }
+
+/// A node as it lies in memory: the sides, the children's bits, and nothing, in eights.
+pub(super) type NodeMemory = [f32x16; 4];
 
 /// Four roundings within 2⁻²⁴ on each side of a comparison (a difference, the inverse, its slack, a product):
 /// 1 + 2·4·2⁻²⁴, rounded up.
@@ -83,7 +98,7 @@ impl Node {
             }
             list[slot] = *child;
         }
-        Self { sides: sides.map(|axis| axis.map(f32x8::new)), children: list }
+        Self { sides, children: list }
     }
 
     /// The node with its children replaced.
@@ -91,25 +106,55 @@ impl Node {
         Self { children: self.children.map(f), ..self }
     }
 
-    /// Fetches the node into the cache.
-    #[inline]
-    pub(super) fn prefetch(&self) {
-        for line in &self.sides {
-            prefetch(line);
-        }
-        prefetch(&self.children);
-    }
-
     /// The children by slot.
-    #[inline]
     pub(super) fn children(&self) -> &[Child; WIDTH] {
         &self.children
     }
 
+    /// What lies in memory.
+    pub(super) fn to_memory(&self) -> NodeMemory {
+        let mut memory = [[0.0; WIDTH]; 8];
+        memory[..6].copy_from_slice(self.sides.as_flattened());
+        memory[6] = self.children.map(|child| f32::from_bits(child.0));
+        bytemuck::cast(memory)
+    }
+}
+
+/// A node in memory.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NodeRef<'a>(&'a [f32x8; 8]);
+
+impl<'a> NodeRef<'a> {
+    #[inline]
+    pub(super) fn new(memory: &'a NodeMemory) -> Self {
+        Self(bytemuck::cast_ref(memory))
+    }
+
+    /// Fetches the node into the cache.
+    #[inline]
+    pub(super) fn prefetch(self) {
+        for eight in self.0.iter().step_by(2) {
+            prefetch(eight);
+        }
+    }
+
+    /// The child in a slot below 8.
+    #[inline]
+    pub(super) fn child(self, slot: usize) -> Child {
+        let bits: &[u32; WIDTH] = bytemuck::cast_ref(&self.0[6]);
+        Child(bits[slot])
+    }
+
+    /// The lower (0) or upper (1) sides of the boxes along an axis.
+    #[inline]
+    pub(super) fn side(self, axis: usize, which: usize) -> f32x8 {
+        self.0[2 * axis + which]
+    }
+
     /// Which boxes the ray meets before `limit` (bits), and how far away it enters each.
     #[inline]
-    pub(super) fn enter(&self, slab: &Slab, limit: f32) -> (u32, [f32; WIDTH]) {
-        slab.enter(|axis, which| self.sides[axis][which], limit)
+    pub(super) fn enter(self, slab: &Slab, limit: f32) -> (u32, f32x8) {
+        slab.enter(|axis, which| self.side(axis, which), limit)
     }
 }
 
@@ -133,12 +178,12 @@ impl Bounds32 {
 /// A ray prepared for boxes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slab {
-    origin: [f32; 3],
-    inverse: [f32; 3],
+    pub(super) origin: [f32; 3],
+    pub(super) inverse: [f32; 3],
     /// The inverse grown by the slack, for the sides through which the ray leaves.
-    inverse_far: [f32; 3],
+    pub(super) inverse_far: [f32; 3],
     /// 1 on the axes along which the ray meets the upper side first.
-    upper_first: [usize; 3],
+    pub(super) upper_first: [usize; 3],
 }
 
 impl Slab {
@@ -159,15 +204,16 @@ impl Slab {
     /// Which of eight boxes the ray meets before `limit` (bits), and how far away it enters each; `side` gives their lower
     /// (0) or upper (1) sides along an axis.
     #[inline]
-    pub(super) fn enter(&self, side: impl Fn(usize, usize) -> f32x8, limit: f32) -> (u32, [f32; WIDTH]) {
+    pub(super) fn enter(&self, side: impl Fn(usize, usize) -> f32x8, limit: f32) -> (u32, f32x8) {
         let distance = |axis: usize, which: usize, inverse: f32| {
             (side(axis, which) - f32x8::splat(self.origin[axis])) * f32x8::splat(inverse)
         };
         let near = |axis: usize| distance(axis, self.upper_first[axis], self.inverse[axis]);
         let far = |axis: usize| distance(axis, 1 - self.upper_first[axis], self.inverse_far[axis]);
-        let enter = near(0).fast_max(near(1)).fast_max(near(2)).fast_max(f32x8::ZERO);
-        let leave = far(0).fast_min(far(1)).fast_min(far(2)).fast_min(f32x8::splat(limit));
-        (enter.simd_le(leave).to_bitmask(), enter.to_array())
+        // As trees, whose results are there sooner than a chain's.
+        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
+        let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(f32x8::splat(limit)));
+        (enter.simd_le(leave).to_bitmask(), enter)
     }
 }
 

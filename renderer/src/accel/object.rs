@@ -40,7 +40,7 @@ impl Object {
         match &self.motion {
             None => *ray,
             Some(motion) => {
-                let inverse = motion.at(f64::from(ray.time)).inverse();
+                let inverse = motion.inverse_at(f64::from(ray.time));
                 Ray {
                     origin: inverse.transform_point3(ray.origin.as_dvec3()).as_vec3(),
                     direction: inverse.transform_vector3(ray.direction.as_dvec3()).as_vec3(),

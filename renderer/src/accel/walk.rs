@@ -1,8 +1,10 @@
 //! How a ray walks a tree.
 
-use super::block::Probe;
+use wide::f32x8;
+
+use super::block::{BlockMemory, BlockRef, Probe};
 use super::group::{Context, Group};
-use super::node::{Child, Slab, WIDTH, limit};
+use super::node::{Child, NodeMemory, NodeRef, Slab, WIDTH, limit};
 use crate::ray::{Hit, Ray};
 use crate::shapes::ShapeHit;
 use crate::shapes::triangle::ShearedRay;
@@ -15,33 +17,73 @@ pub(super) trait Mode {
     const PREFETCH: bool;
 }
 
-/// A child to visit later, and how far away the ray enters it.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Entry {
-    child: Child,
-    near: f32,
+/// A group whose arrays are at hand.
+#[derive(Clone, Copy)]
+pub(super) struct Tree<'a> {
+    pub(super) group: &'a Group,
+    pub(super) nodes: &'a [NodeMemory],
+    pub(super) blocks: &'a [BlockMemory],
 }
 
-/// A ray on its way through a tree.
+impl<'a> Tree<'a> {
+    #[inline]
+    pub(super) fn node(&self, child: Child) -> NodeRef<'a> {
+        NodeRef::new(&self.nodes[child.node()])
+    }
+
+    #[inline]
+    pub(super) fn block(&self, leaf: usize) -> BlockRef<'a> {
+        BlockRef::new(&self.blocks[leaf])
+    }
+
+    /// Fetches a node or leaf into the cache.
+    #[inline]
+    pub(super) fn prefetch(&self, child: Child) {
+        match child.leaf() {
+            None => self.node(child).prefetch(),
+            Some(leaf) => self.block(leaf).prefetch(),
+        }
+    }
+}
+
+/// A child to visit later, below the distance at which the ray enters it: its bits have the order of the numbers, since
+/// they aren't negative.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Entry(u64);
+
+impl Entry {
+    #[inline]
+    pub(super) fn new(child: Child, near: f32) -> Self {
+        // A box around the origin may begin at −0.
+        Self(u64::from(near.abs().to_bits()) << 32 | u64::from(child.bits()))
+    }
+
+    #[inline]
+    pub(super) fn child(self) -> Child {
+        Child::from_bits(self.0)
+    }
+
+    #[inline]
+    pub(super) fn begins_before(self, limit: f32) -> bool {
+        self.0 < u64::from(limit.to_bits()) << 32
+    }
+}
+
+/// A ray and what it has found in the leaves visited so far.
 ///
-/// What it finds is the smallest of its hits in the order of distance, object and element: it doesn't depend on the
-/// order of its steps.
+/// That is the smallest of its hits in the order of distance, object and element, which doesn't depend on the order of
+/// the leaves.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Walker {
+pub(super) struct Search {
     /// The ray; hits matter below its `t_max`, and up to the best one's distance.
     ray: Ray,
-    slab: Slab,
     /// Made at the first leaf of triangles.
     probe: Option<Probe>,
     /// Made at the first triangle that the probe leaves in doubt.
     sheared: Option<ShearedRay>,
-    next: Child,
-    /// The walker's part of the stack and how far it is filled.
-    bottom: usize,
-    top: usize,
     best: Option<Found>,
-    /// Which of a batch's rays it is.
-    pub(super) index: usize,
+    /// Whether anything is hit, if that is the question.
+    is_blocked: bool,
 }
 
 /// A hit whose names are looked up only if they matter.
@@ -69,38 +111,15 @@ impl Found {
     }
 }
 
-impl Walker {
-    /// Ray `index` of a batch at the root of the group's tree; `bottom` is where its stack begins.
+impl Search {
     #[inline]
-    pub(super) fn new(group: &Group, ray: &Ray, index: usize, bottom: usize) -> Self {
-        Self {
-            ray: *ray,
-            slab: Slab::new(ray),
-            probe: None,
-            sheared: None,
-            next: group.root,
-            bottom,
-            top: bottom,
-            best: None,
-            index,
-        }
+    pub(super) fn new(ray: &Ray) -> Self {
+        Self { ray: *ray, probe: None, sheared: None, best: None, is_blocked: false }
     }
 
-    /// The next ray of the batch in this one's place.
-    #[inline]
-    pub(super) fn restart(&mut self, group: &Group, ray: &Ray, index: usize) {
-        *self = Self::new(group, ray, index, self.bottom);
-    }
-
-    /// Whether anything is left to visit.
-    #[inline]
-    pub(super) fn is_walking(&self) -> bool {
-        self.next != Child::NONE
-    }
-
-    /// Whether it has hit anything.
-    pub(super) fn has_hit(&self) -> bool {
-        self.best.is_some()
+    /// Whether it has hit anything, asked if that is the question.
+    pub(super) fn is_blocked(&self) -> bool {
+        self.is_blocked
     }
 
     /// The first hit of those found.
@@ -108,69 +127,38 @@ impl Walker {
         self.best.map(|found| found.named(group))
     }
 
-    /// Visits one node or leaf.
+    /// How far away a box may begin and still matter.
     #[inline]
-    pub(super) fn step<M: Mode>(&mut self, group: &Group, stack: &mut [Entry], context: &mut Context) {
-        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
-        self.next = match self.next.leaf() {
-            None => descend::<M>(group, self.next, &self.slab, limit(self.ray.t_max), &mut pending),
-            Some(leaf) => {
-                self.search_leaf(group, leaf, context);
-                Child::NONE
-            }
-        };
-        if self.next == Child::NONE && !(M::ANY && self.has_hit()) {
-            self.next = pending.pop(limit(self.ray.t_max));
-        }
-        self.top = pending.top;
+    pub(super) fn limit(&self) -> f32 {
+        limit(self.ray.t_max)
     }
 
-    /// Goes all the way.
+    /// Tries what is in a leaf.
     #[inline]
-    pub(super) fn walk<M: Mode>(&mut self, group: &Group, stack: &mut [Entry], context: &mut Context) {
-        // Copies that the compiler can keep in registers.
-        let slab = self.slab;
-        let mut next = self.next;
-        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
-        while next != Child::NONE {
-            let limit = limit(self.ray.t_max);
-            while next.leaf().is_none() {
-                next = descend::<M>(group, next, &slab, limit, &mut pending);
-                if next == Child::NONE {
-                    next = pending.pop(limit);
-                }
-            }
-            if next == Child::NONE {
-                break;
-            }
-            if let Some(leaf) = next.leaf() {
-                self.search_leaf(group, leaf, context);
-            }
-            if M::ANY && self.has_hit() {
-                break;
-            }
-            next = pending.pop(self::limit(self.ray.t_max));
+    pub(super) fn leaf<M: Mode>(&mut self, tree: &Tree, leaf: usize, context: &mut Context) {
+        let block = tree.block(leaf);
+        let (mut lanes, certain) = block.candidates::<M>(&self.ray, &mut self.probe);
+        if M::ANY && certain != 0 {
+            self.is_blocked = true;
+            return;
         }
-        self.next = Child::NONE;
-    }
-
-    #[inline]
-    fn search_leaf(&mut self, group: &Group, leaf: usize, context: &mut Context) {
-        let block = &group.blocks[leaf];
-        let mut lanes = block.candidates(&self.ray, &mut self.probe);
         while lanes != 0 {
             let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;
-            let index = block.first as usize + lane as usize;
+            let index = block.first() + lane as usize;
             let hit = match block.triangle(lane) {
                 Some(vertices) => {
                     let sheared = self.sheared.get_or_insert_with(|| ShearedRay::new(&self.ray));
                     sheared.hit(&vertices, self.ray.t_max).map(|hit| Found::Item(index, hit))
                 }
-                None => group.other(index, &self.ray, context).map(Found::Named),
+                None => tree.group.other(index, &self.ray, context).map(Found::Named),
             };
             if let Some(hit) = hit {
-                self.take(group, hit);
+                if M::ANY {
+                    self.is_blocked = true;
+                    return;
+                }
+                self.take(tree.group, hit);
             }
         }
     }
@@ -191,21 +179,103 @@ impl Walker {
         }
         // Equal distances still count.
         self.ray.t_max = found.t().next_up();
+        if let Found::Item(index, _) = found {
+            group.prefetch_name(index);
+        }
         self.best = Some(found);
+    }
+}
+
+/// Walks one ray all the way.
+#[inline]
+pub(super) fn walk<M: Mode>(tree: &Tree, ray: &Ray, stack: &mut [Entry], context: &mut Context) -> Search {
+    let mut search = Search::new(ray);
+    let slab = Slab::new(ray);
+    let mut pending = Pending { stack, bottom: 0, top: 0 };
+    let mut next = tree.group.root;
+    let mut limit = limit(ray.t_max);
+    while next != Child::NONE {
+        match next.leaf() {
+            None => {
+                next = descend::<M>(tree, next, &slab, limit, &mut pending);
+                if next != Child::NONE {
+                    continue;
+                }
+            }
+            Some(leaf) => {
+                search.leaf::<M>(tree, leaf, context);
+                if M::ANY && search.is_blocked {
+                    break;
+                }
+                limit = self::limit(search.ray.t_max);
+            }
+        }
+        next = pending.pop::<M>(limit);
+    }
+    search
+}
+
+/// A ray on its way through a tree.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Walker {
+    pub(super) search: Search,
+    slab: Slab,
+    next: Child,
+    /// The walker's part of the stack and how far it is filled.
+    bottom: usize,
+    top: usize,
+    /// Which of a batch's rays it is.
+    pub(super) index: usize,
+}
+
+impl Walker {
+    /// Ray `index` of a batch at the root of the group's tree; `bottom` is where its stack begins.
+    #[inline]
+    pub(super) fn new(group: &Group, ray: &Ray, index: usize, bottom: usize) -> Self {
+        Self { search: Search::new(ray), slab: Slab::new(ray), next: group.root, bottom, top: bottom, index }
+    }
+
+    /// The next ray of the batch in this one's place.
+    #[inline]
+    pub(super) fn restart(&mut self, group: &Group, ray: &Ray, index: usize) {
+        *self = Self::new(group, ray, index, self.bottom);
+    }
+
+    /// Whether anything is left to visit.
+    #[inline]
+    pub(super) fn is_walking(&self) -> bool {
+        self.next != Child::NONE
+    }
+
+    /// Visits one node or leaf.
+    #[inline]
+    pub(super) fn step<M: Mode>(&mut self, tree: &Tree, stack: &mut [Entry], context: &mut Context) {
+        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
+        self.next = match self.next.leaf() {
+            None => descend::<M>(tree, self.next, &self.slab, limit(self.search.ray.t_max), &mut pending),
+            Some(leaf) => {
+                self.search.leaf::<M>(tree, leaf, context);
+                Child::NONE
+            }
+        };
+        if self.next == Child::NONE && !(M::ANY && self.search.is_blocked) {
+            self.next = pending.pop::<M>(limit(self.search.ray.t_max));
+        }
+        self.top = pending.top;
     }
 }
 
 /// Visits a node of the group.
 #[inline]
-fn descend<M: Mode>(group: &Group, node: Child, slab: &Slab, limit: f32, pending: &mut Pending) -> Child {
-    let node = &group.nodes[node.node()];
+fn descend<M: Mode>(tree: &Tree, node: Child, slab: &Slab, limit: f32, pending: &mut Pending) -> Child {
+    let node = tree.node(node);
     let (mask, near) = node.enter(slab, limit);
     let fetch = |child| {
         if M::PREFETCH {
-            group.prefetch(child);
+            tree.prefetch(child);
         }
     };
-    pending.choose::<M>(mask, &near, node.children(), fetch)
+    pending.choose::<M>(mask, &near, |slot| node.child(slot), fetch)
 }
 
 /// A part of a stack, of children left for later.
@@ -216,14 +286,14 @@ pub(super) struct Pending<'a> {
 }
 
 impl Pending<'_> {
-    /// The nearest of the children in `mask`; the others are left for later, with the farthest at the bottom unless any
-    /// hit will do. `Child::NONE` if there are none. Calls `seen` with each.
+    /// The nearest of the children in `mask`, or the first if any hit will do; the others are left for later, with the
+    /// farthest at the bottom. `Child::NONE` if there are none. Calls `seen` with each.
     #[inline]
     pub(super) fn choose<M: Mode>(
         &mut self,
         mut mask: u32,
-        near: &[f32; WIDTH],
-        children: &[Child; WIDTH],
+        near: &f32x8,
+        child: impl Fn(usize) -> Child,
         seen: impl Fn(Child),
     ) -> Child {
         if mask == 0 {
@@ -232,36 +302,44 @@ impl Pending<'_> {
         let mut take = || {
             let slot = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
-            seen(children[slot]);
-            (Entry { child: children[slot], near: near[slot] }, mask != 0)
+            seen(child(slot));
+            (slot, mask != 0)
         };
-        let (mut nearest, mut more) = take();
+        // Nothing is passed over where any hit will do, so distances don't matter.
+        let entry = |slot: usize| Entry::new(child(slot), if M::ANY { 0.0 } else { near.as_array()[slot] });
+        let (slot, mut more) = take();
+        if !more {
+            // Not by way of its entry, which would be there later.
+            return child(slot);
+        }
+        let mut nearest = entry(slot);
         let base = self.top;
         while more {
-            let (mut entry, is_more) = take();
+            let (slot, is_more) = take();
             more = is_more;
-            if entry.near < nearest.near {
-                std::mem::swap(&mut entry, &mut nearest);
+            let mut other = entry(slot);
+            if !M::ANY {
+                (nearest, other) = (nearest.min(other), nearest.max(other));
             }
             let mut place = self.top;
-            while !M::ANY && place > base && self.stack[place - 1].near < entry.near {
+            while !M::ANY && place > base && self.stack[place - 1] < other {
                 self.stack[place] = self.stack[place - 1];
                 place -= 1;
             }
-            self.stack[place] = entry;
+            self.stack[place] = other;
             self.top += 1;
         }
-        nearest.child
+        nearest.child()
     }
 
     /// The last child left for later that begins before `limit`.
     #[inline]
-    pub(super) fn pop(&mut self, limit: f32) -> Child {
+    pub(super) fn pop<M: Mode>(&mut self, limit: f32) -> Child {
         while self.top > self.bottom {
             self.top -= 1;
             let entry = self.stack[self.top];
-            if entry.near < limit {
-                return entry.child;
+            if M::ANY || entry.begins_before(limit) {
+                return entry.child();
             }
         }
         Child::NONE

@@ -24,6 +24,10 @@ struct Key {
     translation: DVec3,
     rotation: DQuat,
     stretch: DMat3,
+    /// The inverse of the affine map's matrix.
+    inverse: DMat3,
+    /// Whether only the translation changes until the next key.
+    shifts: bool,
 }
 
 /// Largest turn of a piece of the motion whose ends' boxes are joined [rad]: the joint box is then padded by at most
@@ -48,7 +52,7 @@ impl Motion {
         if keys.is_empty() {
             return Err(ParamError::Empty { name: "motion", accepted: "at least one keyed transform" });
         }
-        let keys =
+        let mut keys =
             keys.into_iter().map(|(time, affine)| Key::new(time, affine)).collect::<Result<Vec<_>, _>>()?;
         for pair in keys.windows(2) {
             if pair[1].time <= pair[0].time {
@@ -62,6 +66,9 @@ impl Motion {
                 return Err(ParamError::OutOfRange { name, value: handedness, accepted });
             }
         }
+        for key in 1..keys.len() {
+            keys[key - 1].shifts = keys[key - 1].affine.matrix3 == keys[key].affine.matrix3;
+        }
         Ok(Self { keys })
     }
 
@@ -74,14 +81,26 @@ impl Motion {
     ///
     /// A key's own transform comes back bit for bit at the key's time, and at all times if all keys are equal.
     pub fn at(&self, time: f64) -> DAffine3 {
-        let after = self.keys.partition_point(|k| k.time <= time);
-        if after == 0 {
-            return self.keys[0].affine;
+        let (from, to) = self.segment(time);
+        to.map_or(from.affine, |to| from.mix(to, (time - from.time) / (to.time - from.time)))
+    }
+
+    /// The inverse of `at(time)`; that of its matrix is made once where only the translation changes.
+    pub fn inverse_at(&self, time: f64) -> DAffine3 {
+        let map = self.at(time);
+        let (from, to) = self.segment(time);
+        if to.is_some() && !from.shifts {
+            return map.inverse();
         }
-        let from = &self.keys[after - 1];
-        match self.keys.get(after) {
-            Some(to) => from.mix(to, (time - from.time) / (to.time - from.time)),
-            None => from.affine,
+        DAffine3 { matrix3: from.inverse, translation: -(from.inverse * map.translation) }
+    }
+
+    /// The key before `time` and the one after; without the latter the motion rests at the former.
+    #[inline]
+    fn segment(&self, time: f64) -> (&Key, Option<&Key>) {
+        match self.keys.partition_point(|k| k.time <= time) {
+            0 => (&self.keys[0], None),
+            after => (&self.keys[after - 1], self.keys.get(after)),
         }
     }
 
@@ -168,7 +187,8 @@ impl Key {
         }
         check_affine("transform", &affine)?;
         let (rotation, stretch) = polar(affine.matrix3);
-        Ok(Self { time, affine, translation: affine.translation, rotation, stretch })
+        let (translation, inverse) = (affine.translation, affine.matrix3.inverse());
+        Ok(Self { time, affine, translation, rotation, stretch, inverse, shifts: false })
     }
 
     fn mix(&self, to: &Self, s: f64) -> DAffine3 {
@@ -179,7 +199,7 @@ impl Key {
             return to.affine;
         }
         let translation = self.translation.lerp(to.translation, s);
-        if self.affine.matrix3 == to.affine.matrix3 {
+        if self.shifts {
             return DAffine3 { matrix3: self.affine.matrix3, translation };
         }
         let stretch = self.stretch * (1.0 - s) + to.stretch * s;

@@ -1,0 +1,199 @@
+//! Eight rays that go the same way, walked together.
+
+use std::array::from_fn;
+
+use wide::f32x8;
+
+use super::group::Context;
+use super::node::{NodeRef, Slab, WIDTH, limit};
+use super::walk::{Entry, Mode, Search, Tree};
+use crate::ray::Ray;
+
+/// Rays of a packet.
+pub(super) const RAYS: usize = 8;
+
+/// All rays of a packet, as bits.
+const ALL: u32 = (1 << RAYS) - 1;
+
+/// Cosine of the widest angle between the first ray of a packet and another; measured in benches/README.md.
+const NARROW: f32 = 0.999;
+
+/// A child to visit later, and the rays that meet its box.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Waiting {
+    entry: Entry,
+    rays: u32,
+}
+
+/// Eight rays prepared for boxes.
+#[derive(Debug)]
+pub(super) struct Packet {
+    origin: [f32x8; 3],
+    inverse: [f32x8; 3],
+    inverse_far: [f32x8; 3],
+    /// 1 on the axes along which all rays meet the upper side first.
+    upper_first: [usize; 3],
+    /// Origins from which distances to the nearer and to the farther sides bound those of all rays.
+    bounds: [[f32; 3]; 2],
+    /// The smallest and the largest inverse, and inverse for the farther sides.
+    inverses: [[f32; 2]; 3],
+    inverses_far: [[f32; 2]; 3],
+}
+
+impl Packet {
+    /// The packet of `rays`; `None` if they point in different octants or too many ways to gain from it.
+    #[inline]
+    pub(super) fn new(rays: &[Ray; RAYS]) -> Option<Self> {
+        let first = &rays[0];
+        if rays.iter().any(|ray| ray.direction.dot(first.direction) < NARROW) {
+            return None;
+        }
+        let slabs: [Slab; RAYS] = from_fn(|ray| Slab::new(&rays[ray]));
+        let upper_first = slabs[0].upper_first;
+        if slabs.iter().any(|slab| slab.upper_first != upper_first) {
+            return None;
+        }
+        let lanes = |of: fn(&Slab) -> &[f32; 3]| from_fn(|axis| from_fn(|ray| of(&slabs[ray])[axis]));
+        let [origin, inverse, inverse_far]: [[[f32; RAYS]; 3]; 3] =
+            [lanes(|s| &s.origin), lanes(|s| &s.inverse), lanes(|s| &s.inverse_far)];
+        let range = |of: &[f32; RAYS]| {
+            of.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+        };
+        let origins = origin.each_ref().map(range);
+        let wide = |lanes: [[f32; RAYS]; 3]| lanes.map(f32x8::new);
+        Some(Self {
+            // A greater origin is nearer to the upper sides.
+            bounds: [1, 0].map(|near| from_fn(|axis| origins[axis][near ^ upper_first[axis]])),
+            inverses: inverse.each_ref().map(range),
+            inverses_far: inverse_far.each_ref().map(range),
+            origin: wide(origin),
+            inverse: wide(inverse),
+            inverse_far: wide(inverse_far),
+            upper_first,
+        })
+    }
+
+    /// Which boxes of a node some ray may meet before `limit` (bits), and a bound on how far away the first enters each.
+    ///
+    /// Rounding keeps order: the bounds hold for what `Slab::enter` computes for each ray, in every bit.
+    #[inline]
+    fn enter(&self, node: NodeRef, limit: f32) -> (u32, f32x8) {
+        let products = |axis: usize, which: usize, end: usize, [low, high]: [f32; 2]| {
+            let side = node.side(axis, which) - f32x8::splat(self.bounds[end][axis]);
+            (side * f32x8::splat(low), side * f32x8::splat(high))
+        };
+        let near = |axis: usize| {
+            let (a, b) = products(axis, self.upper_first[axis], 0, self.inverses[axis]);
+            a.fast_min(b)
+        };
+        let far = |axis: usize| {
+            let (a, b) = products(axis, 1 - self.upper_first[axis], 1, self.inverses_far[axis]);
+            a.fast_max(b)
+        };
+        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
+        let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(f32x8::splat(limit)));
+        (enter.simd_le(leave).to_bitmask(), enter)
+    }
+
+    /// Which rays meet the box in a slot of a node before their limits, as bits.
+    #[inline]
+    fn meet(&self, node: NodeRef, slot: usize, limits: f32x8) -> u32 {
+        let distance = |axis: usize, which: usize, inverse: f32x8| {
+            (f32x8::splat(node.side(axis, which).as_array()[slot]) - self.origin[axis]) * inverse
+        };
+        let near = |axis: usize| distance(axis, self.upper_first[axis], self.inverse[axis]);
+        let far = |axis: usize| distance(axis, 1 - self.upper_first[axis], self.inverse_far[axis]);
+        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
+        let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(limits));
+        enter.simd_le(leave).to_bitmask()
+    }
+
+    /// Walks the rays through a tree. Each meets at least the boxes that it meets alone, so it finds the same.
+    #[inline]
+    pub(super) fn walk<M: Mode>(
+        &self,
+        tree: &Tree,
+        rays: &[Ray; RAYS],
+        stack: &mut Vec<Waiting>,
+        context: &mut Context,
+    ) -> [Search; RAYS] {
+        let mut searches: [Search; RAYS] = from_fn(|ray| Search::new(&rays[ray]));
+        let mut limits = f32x8::new(from_fn(|ray| limit(rays[ray].t_max)));
+        let mut farthest = highest(&limits);
+        let mut walking = ALL;
+        stack.clear();
+        stack.push(Waiting { entry: Entry::new(tree.group.root, 0.0), rays: ALL });
+        while let Some(Waiting { entry, rays }) = stack.pop() {
+            let mut left = rays & walking;
+            if left == 0 || !(M::ANY || entry.begins_before(farthest)) {
+                continue;
+            }
+            let Some(leaf) = entry.child().leaf() else {
+                self.descend::<M>(tree.node(entry.child()), (&limits, farthest, walking), stack);
+                continue;
+            };
+            while left != 0 {
+                let ray = left.trailing_zeros() as usize % RAYS;
+                left &= left - 1;
+                searches[ray].leaf::<M>(tree, leaf, context);
+                if M::ANY && searches[ray].is_blocked() {
+                    walking &= !(1 << ray);
+                }
+                limits.as_mut_array()[ray] = searches[ray].limit();
+            }
+            farthest = highest(&limits);
+        }
+        searches
+    }
+
+    /// Leaves the children of a node that rays meet for later, with the farthest at the bottom.
+    #[inline]
+    fn descend<M: Mode>(
+        &self,
+        node: NodeRef,
+        (limits, farthest, walking): (&f32x8, f32, u32),
+        stack: &mut Vec<Waiting>,
+    ) {
+        let (mut slots, near) = self.enter(node, farthest);
+        let base = stack.len();
+        while slots != 0 {
+            let slot = slots.trailing_zeros() as usize % WIDTH;
+            slots &= slots - 1;
+            let rays = self.meet(node, slot, *limits) & walking;
+            if rays == 0 {
+                continue;
+            }
+            let waiting = Waiting { entry: Entry::new(node.child(slot), near.as_array()[slot]), rays };
+            let mut place = stack.len();
+            stack.push(waiting);
+            while !M::ANY && place > base && stack[place - 1].entry < waiting.entry {
+                stack[place] = stack[place - 1];
+                place -= 1;
+            }
+            stack[place] = waiting;
+        }
+    }
+}
+
+fn highest(limits: &f32x8) -> f32 {
+    limits.as_array().iter().fold(f32::NEG_INFINITY, |all, x| all.max(*x))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn packets_are_narrow_and_in_one_octant() {
+        let packet = |way: Vec3, turn: Vec3| {
+            Packet::new(&from_fn(|ray| Ray::new(Vec3::ZERO, (way + turn * ray as f32).normalize(), 0.0)))
+        };
+        let way = Vec3::new(1.0, 0.5, 0.5);
+        // The last of eight turns by about 1.6°, and by 16°.
+        assert!(packet(way, Vec3::Y * 0.005).is_some());
+        assert!(packet(way, Vec3::Y * 0.05).is_none());
+        assert!(packet(Vec3::new(1.0, -0.01, 0.5), Vec3::Y * 0.005).is_none());
+    }
+}
