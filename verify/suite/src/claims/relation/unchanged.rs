@@ -10,32 +10,36 @@ use verify::claim::{Claim, Level, claim};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 use verify::seeds::derive;
 
-use super::{Version, moved, room, same, same_within};
+use super::{Version, fine, moved, room, same};
 use crate::bounds;
 use crate::setup::{built, image, remembering};
 
 pub(super) fn claims() -> Vec<Claim> {
     vec![
-        same("relation/camera/mirrored", "a scene and its camera in a mirror give the same mean", || {
-            let mirror = |x, y| DAffine3::from_scale(DVec3::new(x, y, 1.0));
-            [mirror(1.0, 1.0), mirror(-1.0, 1.0), mirror(1.0, -1.0)]
-                .map(|outer| Version::of(moved(outer)))
-                .into()
-        })
-        .from_level(Level::Standard),
-        same_within(
+        fine(
+            "relation/camera/mirrored",
+            "a scene and its camera in a mirror give the same mean",
+            || {
+                let mirror = |x, y| DAffine3::from_scale(DVec3::new(x, y, 1.0));
+                [mirror(1.0, 1.0), mirror(-1.0, 1.0), mirror(1.0, -1.0)]
+                    .map(|outer| Version::of(moved(outer)))
+                    .into()
+            },
+            64,
+        ),
+        same(
             bounds::INVARIANCE,
             "relation/shutter/at-rest",
             "a scene at rest is the same for any shutter",
             || [(0.0, 0.0), (0.0, 0.5), (-3.0, 40.0)].map(|times| Version::of(exposed(times))).into(),
         )
         .from_level(Level::Standard),
-        same(
+        fine(
             "relation/lens/pinhole",
             "a lens of radius 0, or of nearly 0, shows what a pinhole shows",
             || [(0.0, 1.0), (0.0, 3.7), (1e-4, 3.7)].map(|lens| Version::of(through(lens))).into(),
-        )
-        .from_level(Level::Standard),
+            64,
+        ),
         halved(),
     ]
 }
