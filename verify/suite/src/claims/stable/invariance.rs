@@ -5,11 +5,11 @@ use std::sync::{Arc, LazyLock};
 use glam::{DAffine3, DVec3};
 use renderer::render::Rendering;
 use renderer::sampling::SamplerKind;
-use renderer::scene::{Scene, SceneDescription, Strategy};
+use renderer::scene::{Scene, SceneDescription};
 use verify::claim::{Claim, Level, Run, claim};
 use verify::mean::{CONTROL_FACTOR, MeanClaim, joint_control, joint_evidence};
 
-use super::super::relation::{room, transformed};
+use super::super::relation::{by_points, room, transformed};
 use super::routine::worst_case;
 use crate::bounds;
 use crate::setup::{built, fixed, image, mean, remembering};
@@ -74,15 +74,6 @@ fn alike((id, how): (&'static str, &'static str), outer: DAffine3, make: Make) -
 fn lit() -> SceneDescription {
     let mut description = room();
     description.integrator.max_depth = Some(2);
-    description
-}
-
-/// The same with light from points on the lamp alone: directions are drawn in frames of their own, which a mirror does not keep, and
-/// their noise with them; points on a mirrored lamp are the mirrored points.
-fn by_points() -> SceneDescription {
-    let mut description = lit();
-    description.integrator.strategy = Strategy::Light;
-    description.lights.clear();
     description
 }
 
