@@ -98,7 +98,14 @@ pub fn joint_control<R: Into<Replicate>>(
     run: &Run,
     subject: impl Fn(usize, u64) -> R,
 ) -> Result<Evidence, InputError> {
-    let mut values = draw(claims, run, subject);
+    judge_moved(claims, draw(claims, run, subject))
+}
+
+/// Judges replicates that were drawn already, each moved by 2.2 resolutions: evidence that must reject.
+///
+/// # Errors
+/// As [`joint_evidence`].
+pub fn judge_moved(claims: &[MeanClaim], mut values: Vec<Vec<Replicate>>) -> Result<Evidence, InputError> {
     let resolution = judge(claims, &values)?.resolution.value;
     for (claim, replicates) in claims.iter().zip(&mut values) {
         for replicate in replicates {
@@ -181,22 +188,32 @@ pub fn judge(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Result<Evidence
             power: POWER,
         },
         doubts,
-        pictures: picture(claims, values).into_iter().collect(),
+        pictures: vec![picture(claims, values)],
     })
 }
 
-/// The means in order, each with its error and rounding, on the exact values; none of a single claim.
-fn picture(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Option<Picture> {
+/// Parts in which the replicates of a single mean are drawn.
+const PARTS: usize = 8;
+
+/// The means in order, each with its error and rounding, on the exact values; of a single claim, those of eight parts of its replicates.
+fn picture(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Picture {
+    let (what, rows): (_, Vec<(&MeanClaim, &[Replicate])>) = match (claims, values) {
+        ([claim], [all]) => (
+            "part of the replicates",
+            all.chunks(all.len().div_ceil(PARTS)).map(|part| (claim, part)).collect(),
+        ),
+        _ => ("configuration", claims.iter().zip(values.iter().map(Vec::as_slice)).collect()),
+    };
     let number = |i: usize| (i + 1) as f64;
-    let point = |(i, (claim, replicates)): (usize, (&MeanClaim, &Vec<Replicate>))| {
+    let point = |(i, (claim, replicates)): (usize, &(&MeanClaim, &[Replicate]))| {
         let estimate = Estimate::of(replicates);
         [number(i), estimate.mean, estimate.standard_error.hypot(claim.rounding * claim.unit)]
     };
-    (claims.len() > 1).then(|| Picture::Curve {
-        axes: ["configuration", "mean"],
-        exact: claims.iter().enumerate().map(|(i, claim)| [number(i), claim.exact]).collect(),
-        measured: claims.iter().zip(values).enumerate().map(point).collect(),
-    })
+    Picture::Curve {
+        axes: [what, "mean"],
+        exact: rows.iter().enumerate().map(|(i, (claim, _))| [number(i), claim.exact]).collect(),
+        measured: rows.iter().enumerate().map(point).collect(),
+    }
 }
 
 /// Quantiles for one level and number of replicates, in standard errors.
@@ -302,6 +319,19 @@ mod tests {
         assert!(
             right.resolution.value > MeanClaim::relative(0.5, 0.3).evidence(&RUN, dozen).unwrap().estimate
         );
+    }
+
+    #[test]
+    fn a_single_mean_is_drawn_in_parts_and_many_in_their_order() {
+        let drawn = |claims: &[MeanClaim]| {
+            let evidence = joint_evidence(claims, &RUN, |_, seed| dozen(seed)).unwrap();
+            match evidence.pictures.as_slice() {
+                [Picture::Curve { exact, measured, .. }] => (exact.len(), measured.len()),
+                other => panic!("{other:?}"),
+            }
+        };
+        let claim = MeanClaim::relative(0.5, 0.3);
+        assert_eq!((drawn(&[claim]), drawn(&[claim; 3])), ((8, 8), (3, 3)));
     }
 
     #[test]

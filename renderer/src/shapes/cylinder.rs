@@ -87,16 +87,19 @@ impl Cylinder {
         }
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let t = self.distances(ray).into_iter().flatten().find(|t| *t > 0.0)?;
-        Some(ShapeHit { t: accept(t, ray.t_max)?, uv: [0.0; 2] })
+    /// The distance at which a ray first meets it.
+    fn met(&self, ray: &Ray) -> Option<f64> {
+        self.distances(ray).into_iter().flatten().find(|t| *t > 0.0)
     }
 
-    /// Solves again, because the f32 distance is coarser than the surface.
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        Some(ShapeHit { t: accept(self.met(ray)?, ray.t_max)?, uv: [0.0; 2] })
+    }
+
+    /// Solves again, because the f32 distance is coarser than the surface, and from far away coarser than the cylinder: it does not
+    /// tell which side was met.
     pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let t = f64::from(t);
-        let nearer = |a: f64, b: f64| if (a - t).abs() <= (b - t).abs() { a } else { b };
-        let exact = self.distances(ray).into_iter().flatten().reduce(nearer).unwrap_or(t);
+        let exact = self.met(ray).unwrap_or(f64::from(t));
         let (across, height) =
             self.split(ray.origin.as_dvec3() + ray.direction.as_dvec3() * exact - self.base);
         self.point_at(across.normalize(), height)

@@ -96,7 +96,13 @@ impl Mesh {
     ///
     /// The geometric normal is on the side of the interpolated one, whichever way round the corners go; without vertex
     /// normals they go counter-clockwise around it. Texture coordinates are the weights where the mesh has none.
-    pub(super) fn surface(&self, triangle: u32, [v, w]: [f32; 2]) -> SurfacePoint {
+    pub(super) fn surface(&self, triangle: u32, weights: [f32; 2]) -> SurfacePoint {
+        self.surface_at(triangle, weights.map(f64::from))
+    }
+
+    /// The same for weights that need more digits: a millimetre's part of a triangle a thousand kilometres wide.
+    #[expect(clippy::cast_possible_truncation, reason = "only the place on the triangle needs the digits")]
+    fn surface_at(&self, triangle: u32, place: [f64; 2]) -> SurfacePoint {
         let corners = self.triangles[triangle as usize].map(|i| i as usize);
         let [a, b, c] = corners.map(|i| self.positions[i].as_dvec3());
         let (e1, e2) = (b - a, c - a);
@@ -106,9 +112,10 @@ impl Mesh {
         // products have 4 roundings of 2⁻⁵³ a component, 7 in length, relative to |e1||e2|, and tilt the plane by as much.
         let extent = size1 + size2 + a.abs().max_element();
         let tilt = 2f64.powi(-50) * (size1 + size2) * (size1 * size2 / cross.length());
-        let (point, error) = rounded(a + e1 * f64::from(v) + e2 * f64::from(w), extent);
+        let (point, error) = rounded(a + e1 * place[0] + e2 * place[1], extent);
         let error = error + crate::math::float::round_f32(tilt);
         let face = (cross.normalize() * self.sign).as_vec3();
+        let [v, w] = place.map(|weight| weight as f32);
         let u = 1.0 - v - w;
         let n = match &self.normals {
             Some(all) => {
@@ -143,49 +150,79 @@ impl Mesh {
         self.areas.last().copied().unwrap_or(0.0)
     }
 
-    /// Chooses a triangle by its share of the area from `u`'s first number, whose place within the share serves again.
-    ///
-    /// # Precision, limits
-    /// The first number has 24 bits, so with T equal triangles the place within one has 24 − log₂ T.
-    fn choose(&self, u: f32) -> (u32, f64) {
-        let target = f64::from(u) * self.area();
-        let chosen = self.areas.partition_point(|&sum| sum <= target).min(self.areas.len() - 1);
-        let before = if chosen == 0 { 0.0 } else { self.areas[chosen - 1] };
-        let place = ((target - before) / (self.areas[chosen] - before)).clamp(0.0, 1.0);
-        (u32::try_from(chosen).expect("`check` bounds the number of triangles"), place)
-    }
-
-    #[expect(clippy::cast_possible_truncation, reason = "numbers in [0, 1]")]
     pub(super) fn sample_area(&self, [u0, u1]: [f32; 2]) -> SurfacePoint {
-        let (chosen, place) = self.choose(u0);
+        let (chosen, place) = choose(&self.areas, u0);
         // An area-preserving map: density 1/2 of the parallelogram's.
         let root = place.sqrt();
-        let (v, w) = (root * (1.0 - f64::from(u1)), root * f64::from(u1));
-        self.surface(chosen, [v as f32, w as f32])
+        self.surface_at(chosen, [root * (1.0 - f64::from(u1)), root * f64::from(u1)])
     }
 
-    /// How a triangle looks from `from`, and its share of the area; `None` where points by area serve better.
-    fn seen_from(&self, triangle: u32, from: DVec3) -> Option<(SphericalTriangle, f64)> {
+    /// How a triangle looks from `from`; `None` where points by area serve better.
+    fn seen_from(&self, triangle: u32, from: DVec3) -> Option<SphericalTriangle> {
         let seen = SphericalTriangle::new(self.vertices(triangle).map(|p| p.as_dvec3() - from))?;
+        (seen.solid_angle() > SMALLEST_SOLID_ANGLE).then_some(seen)
+    }
+
+    /// A triangle's share of the area.
+    fn share(&self, triangle: u32) -> f64 {
         let index = triangle as usize;
         let before = if index == 0 { 0.0 } else { self.areas[index - 1] };
-        let share = (self.areas[index] - before) / self.area();
-        (seen.solid_angle() > SMALLEST_SOLID_ANGLE).then_some((seen, share))
+        (self.areas[index] - before) / self.area()
+    }
+
+    /// The solid angles of all triangles up to and with each; `None` where there are many, or one is not seen.
+    fn angles_from(&self, from: DVec3) -> Option<[f64; FEW]> {
+        if !(2..=FEW).contains(&self.triangles.len()) {
+            return None;
+        }
+        let (mut sums, mut total) = ([f64::INFINITY; FEW], 0.0);
+        for (sum, triangle) in sums.iter_mut().zip(0..self.triangle_count()) {
+            total += self.seen_from(triangle, from)?.solid_angle();
+            *sum = total;
+        }
+        Some(sums)
     }
 
     /// The density of [`Self::sample_solid_angle`] on a triangle.
     pub(super) fn pdf_solid_angle(&self, triangle: u32, from: DVec3) -> Option<f64> {
-        self.seen_from(triangle, from).map(|(seen, share)| share / seen.solid_angle())
+        match self.angles_from(from) {
+            Some(angles) => Some(1.0 / angles[self.triangles.len() - 1]),
+            None => self.seen_from(triangle, from).map(|seen| self.share(triangle) / seen.solid_angle()),
+        }
     }
 
-    /// A triangle by its share of the area, then a point of it by the solid angle.
-    #[expect(clippy::cast_possible_truncation, reason = "numbers in [0, 1]")]
+    /// A triangle by its share of the solid angle where there are few, and by that of the area where there are many; then a
+    /// point of it by the solid angle.
     pub(super) fn sample_solid_angle(&self, from: DVec3, u: [f32; 2]) -> Option<(SurfacePoint, f64)> {
-        let (chosen, place) = self.choose(u[0]);
-        let (seen, share) = self.seen_from(chosen, from)?;
-        let weights = seen.sample([place, f64::from(u[1])]).map(|w| w as f32);
-        Some((self.surface(chosen, weights), share / seen.solid_angle()))
+        let angles = self.angles_from(from);
+        let (chosen, place) = match &angles {
+            Some(angles) => choose(&angles[..self.triangles.len()], u[0]),
+            None => choose(&self.areas, u[0]),
+        };
+        let seen = self.seen_from(chosen, from)?;
+        let pdf = match angles {
+            Some(angles) => 1.0 / angles[self.triangles.len() - 1],
+            None => self.share(chosen) / seen.solid_angle(),
+        };
+        Some((self.surface_at(chosen, seen.sample([place, f64::from(u[1])])), pdf))
     }
+}
+
+/// Up to so many triangles are chosen by the solid angle, which all of them are then looked at for.
+const FEW: usize = 8;
+
+/// Chooses one of several parts from `u`, whose place within the part serves again.
+///
+/// * `sums`: the sizes of all parts up to and with each; the last is above 0.
+///
+/// # Precision, limits
+/// The number has 24 bits, so with T equal parts the place within one has 24 − log₂ T.
+fn choose(sums: &[f64], u: f32) -> (u32, f64) {
+    let target = f64::from(u) * sums[sums.len() - 1];
+    let chosen = sums.partition_point(|&sum| sum <= target).min(sums.len() - 1);
+    let before = if chosen == 0 { 0.0 } else { sums[chosen - 1] };
+    let place = ((target - before) / (sums[chosen] - before)).clamp(0.0, 1.0);
+    (u32::try_from(chosen).expect("`check` bounds the number of triangles"), place)
 }
 
 /// Refuses numbers that aren't finite, lists of unequal length and indices that point at nothing.

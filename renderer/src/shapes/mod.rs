@@ -192,7 +192,7 @@ impl Shape {
     }
 
     /// The point of the surface for `u` in [0, 1)², uniform in the solid angle that it is seen under from `from`, and
-    /// its density; a mesh's triangle is chosen by its area.
+    /// its density; of a mesh, a triangle is chosen first, one of few by its solid angle, one of many by its area.
     ///
     /// Returns: `None` for shapes without such a map, and where rounding would spoil it: the place of `from`, or the
     /// triangle of `u`, decides alone, and [`Self::pdf_solid_angle`] decides the same.

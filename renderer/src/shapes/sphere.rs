@@ -67,16 +67,19 @@ impl Sphere {
         roots(a, b, f.length_squared(), (f + d * (b / a)).length_squared(), self.radius)
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let [near, far] = self.distances(ray)?;
-        let t = accept(if near > 0.0 { near } else { far }, ray.t_max)?;
-        Some(ShapeHit { t, uv: [0.0; 2] })
+    /// The distance at which a ray first meets the sphere; not above 0 if that is behind it.
+    fn met(&self, ray: &Ray) -> Option<f64> {
+        self.distances(ray).map(|[near, far]| if near > 0.0 { near } else { far })
     }
 
-    /// Solves again, because the f32 distance is coarser than the surface.
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        Some(ShapeHit { t: accept(self.met(ray)?, ray.t_max)?, uv: [0.0; 2] })
+    }
+
+    /// Solves again, because the f32 distance is coarser than the surface, and from far away coarser than the sphere: it does not
+    /// tell which side was met.
     pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let t = f64::from(t);
-        let exact = self.distances(ray).map_or(t, |[near, far]| if far - t < t - near { far } else { near });
+        let exact = self.met(ray).unwrap_or(f64::from(t));
         let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * exact;
         self.point_towards((p - self.center).normalize())
     }

@@ -14,17 +14,19 @@ pub const MISSES: f64 = 1e-4;
 pub const IRRADIANCE: f64 = 0.002;
 
 /// Largest RMS relative error over cells of what the camera decides, recorded from renders; half as sharp as a distribution's own claim, whose
-/// points cost a tenth as much.
+/// points cost a tenth as much. What counts resolve goes as the root of them: 0.2 % over cells would take a hundred times as many.
 pub const RECORDED: f64 = 0.02;
 
 /// Largest error of a filter's weighted moments, in units of the moment of 1.
 pub const FILTER_MOMENT: f64 = 0.002;
 
 /// Largest difference of two renders that should have the same mean, relative to it.
-///
-/// A room seen along paths of up to four edges: 2,048 samples a replicate leave its mean an error of 1 %, and 0.2 % would take twenty-five times as
-/// many. What keeps every bit is held to [`INVARIANCE`], what shows one point to [`ESTIMATORS`].
-pub const RELATION: f64 = 0.02;
+pub const RELATION: f64 = 0.002;
+
+/// The same where little time is spent, at the quick level and on what a finer claim shows of a simpler scene: a room seen along paths of up to
+/// four edges, of whose mean 2,048 samples a replicate leave an error of 1 %. Points on lights alone, directions alone, independent samples and
+/// six lights together would take fifty times as many for a tenth of it.
+pub const RELATION_QUICK: f64 = 0.02;
 
 /// Largest difference of two ways to estimate the same direct light, relative to it.
 pub const ESTIMATORS: f64 = 0.002;
@@ -34,7 +36,8 @@ pub const IMAGE_PERCENT: f64 = 0.5;
 
 /// Largest RMS relative error over cells of the points on a light and of the directions of a lobe.
 ///
-/// 2.3e5 samples on 200 cells settle 3 %; their maps are built from those of `warp`, which are held to 1 %.
+/// 2.3e5 samples on 200 cells settle 3 %; their maps are built from those of `warp`, which are held to 1 %. 0.2 % over cells would take 225
+/// times as many; what means show of the same lobes is held to that ([`MASS`], [`ALBEDO`], [`FURNACE`]).
 pub const LOBE: f64 = 0.03;
 
 /// Largest relative error of a solid angle that samples of a light add up to.
@@ -42,19 +45,21 @@ pub const SOLID_ANGLE: f64 = 0.005;
 
 /// Largest difference between the share of dropped directions and what a density's integral leaves for it.
 ///
-/// A share p of n directions has an error of √(p/n); of 1,024 even ones in each of 32 replicates at a tenth dropped, 0.05 %, and limits of 5 of them.
-pub const MASS: f64 = 0.003;
+/// A share p of n directions has an error of √(p/n); of 4,096 in each of 32 replicates at a tenth dropped, 0.08 %, and limits of 5 of them; jittered in a square, several
+/// times less.
+pub const MASS: f64 = 0.002;
 
 /// Largest relative error of a mean weight against the integral of f·cos θ.
-pub const ALBEDO: f64 = 0.003;
+pub const ALBEDO: f64 = 0.002;
 
 /// Largest relative error of a mean of Fresnel's reflectance, and of light that passes a slab.
 pub const FRESNEL: f64 = 0.002;
 
 /// Largest relative difference between the means of two ways to treat a surface that reflects and refracts.
-///
-/// Weights of one of two halves double at each boundary: at equal time their noise is more than twice that of a furnace.
-pub const BRANCH: f64 = 0.005;
+pub const BRANCH: f64 = 0.002;
+
+/// The same at the quick level: weights of one of two halves double at each boundary, whose noise takes sixteen times the samples for the above.
+pub const BRANCH_QUICK: f64 = 0.005;
 
 /// Largest relative error of a furnace's radiance.
 pub const FURNACE: f64 = 0.002;
@@ -121,26 +126,19 @@ pub const WEIGHT_VARIANCE: f64 = 0.02;
 /// Largest error of the bias of the weighted average, in units of the bias.
 pub const RATIO_BIAS: f64 = 0.2;
 
-/// Largest error of a pixel behind a filter with large negative lobes, whose signed weights leave four times the noise.
-pub const SIGNED_PIXEL: f64 = 0.005;
-
-/// Largest relative error of the flux of a film.
+/// Largest relative error of the flux of a film, and of the second moment of an image out of focus.
 pub const FLUX: f64 = 0.002;
-
-/// Largest relative error of the flux and of the second moment of an image out of focus, whose noise at equal time is four times that of
-/// one in focus.
-pub const SPREAD: f64 = 0.01;
 
 /// Largest error of the variance of picking a branch, in units of that of two halves.
 ///
 /// The variance of 32 images of 1,024 pixels has a relative standard error of up to √(2/32768) = 0.8 %.
 pub const BRANCH_VARIANCE: f64 = 0.02;
 
-/// Largest relative error of an integrating sphere's radiance: paths of many bounces in the uneven light of points.
-pub const INTEGRATING_SPHERE: f64 = 0.01;
+/// Largest relative error of an integrating sphere's radiance.
+pub const INTEGRATING_SPHERE: f64 = 0.002;
 
-/// Largest relative error of the number of rays under roulette, which varies by more than half of itself from path to path.
-pub const ROULETTE: f64 = 0.005;
+/// Largest relative error of the number of rays under roulette.
+pub const ROULETTE: f64 = 0.002;
 
 /// Largest difference between a variance and twice that of twice the samples, relative.
 ///

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use renderer::integrator::{Batch, Integrator, PathTracer, stages};
 use renderer::render::{RenderSettings, render_with};
-use renderer::sampling::{DecisionSet, Independent, Sampler, SamplerKind};
+use renderer::sampling::{DecisionSet, Sampler, SamplerKind, Sobol};
 use renderer::scene::{IntegratorSettings, Scene};
 
 /// The path tracer's stages without its lights, which counts the rays that it follows.
@@ -41,9 +41,9 @@ impl Integrator for Counter {
 /// The rays that a render of `samples` a pixel follows, a sample: shadow rays not counted.
 pub(super) fn edges(scene: &Scene, samples: u32, seed: u64) -> f64 {
     let counter = Counter { settings: scene.integrator, rays: AtomicU64::new(0) };
-    let sampler = SamplerKind::Independent;
-    let settings = RenderSettings { sampler, samples, replicates: 1, seed, threads: 0 };
-    render_with(scene, &counter, &Independent::new(seed), &settings, &|_| ())
+    let settings = RenderSettings { sampler: SamplerKind::Sobol, samples, replicates: 1, seed, threads: 0 };
+    let [planned, _] = counter.decisions(scene);
+    render_with(scene, &counter, &Sobol::new(seed, planned), &settings, &|_| ())
         .expect("one replicate, at least one sample, and the threads at hand");
     let count = f64::from(scene.film.width) * f64::from(scene.film.height) * f64::from(samples);
     counter.rays.into_inner() as f64 / count

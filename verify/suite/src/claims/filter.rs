@@ -58,11 +58,6 @@ pub(super) fn claims() -> Vec<Claim> {
 /// Filters of a family that another one represents at the quick level.
 const LATER: [&str; 2] = ["catmull-rom", "lanczos"];
 
-/// What a pixel's error is held to.
-fn pixel_bound(name: &str) -> f64 {
-    if LATER.contains(&name) { bounds::SIGNED_PIXEL } else { bounds::PIXEL }
-}
-
 /// The closed form of a filter.
 fn kernel(filter: Filter) -> Kernel {
     match filter {

@@ -17,7 +17,7 @@ use verify::domain::Disk;
 mod disk;
 mod edge;
 
-use super::pointwise::{never, rejecting, single};
+use super::pointwise::{curve, never_drawn, rejecting, single};
 use super::recorded::{Read, Recorded, Wrong};
 use crate::bounds;
 use crate::setup::{built, diffuse, fixed, look, spot, thing};
@@ -86,10 +86,16 @@ fn focus() -> Claim {
     let tolerance = 10.0 * 6.0 / 16_777_216.0;
     #[expect(clippy::cast_possible_truncation, reason = "a distance of order 1")]
     let focus = FOCUS as f32;
-    let wrong = apart.clone();
+    let (wrong, drawn) = (apart.clone(), apart.clone());
+    let picture = move || {
+        curve(["first number of the lens", "distance from the point in focus (3 σ: rounding)"], |u| {
+            let off = f64::from(drawn([0.3, 0.8, u, 0.4], focus));
+            Some([u, 0.0, off, f64::from(tolerance)])
+        })
+    };
     let builder =
         claim("lens/focus/sharp", "all points of the lens see a point of the plane in focus at one place");
     let builder =
         rejecting(builder, "a plane 0.01 % behind it", move |u| wrong(u, focus * 1.0001) > tolerance);
-    never(builder, "share of rays that miss", move |u| apart(u, focus) > tolerance)
+    never_drawn(builder, "share of rays that miss", move |u| apart(u, focus) > tolerance, picture)
 }

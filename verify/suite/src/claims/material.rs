@@ -237,8 +237,8 @@ fn reciprocity(subject: Subject) -> Claim {
     never(builder, "share of pairs that differ", move |u| misses(u, |f, _| f))
 }
 
-/// Samples of a replicate: 32 by 32.
-const SIDE: u32 = 32;
+/// Samples of a replicate: 64 by 64.
+const SIDE: u32 = 64;
 
 /// From where the energy is measured: above, and at a grazing angle.
 fn views() -> [Vec3; 2] {

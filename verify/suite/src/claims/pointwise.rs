@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use verify::claim::{Claim, ClaimBuilder, Evidence, Run};
+use verify::claim::{Claim, ClaimBuilder, Evidence, Picture, Run};
 use verify::error::InputError;
 use verify::{points, share};
 
@@ -18,6 +18,29 @@ pub(super) fn never<const N: usize>(
     misses: impl Fn([f64; N]) -> bool + Send + Sync + 'static,
 ) -> Claim {
     builder.by(move |run| evidence(run, quantity, &misses, 1))
+}
+
+/// The same with a picture of it.
+pub(super) fn never_drawn<const N: usize>(
+    builder: ClaimBuilder,
+    quantity: &'static str,
+    misses: impl Fn([f64; N]) -> bool + Send + Sync + 'static,
+    picture: impl Fn() -> Picture + Send + Sync + 'static,
+) -> Claim {
+    builder.by(move |run| Ok(Evidence { pictures: vec![picture()], ..evidence(run, quantity, &misses, 1)? }))
+}
+
+/// Intervals of a curve's abscissa between the places that are drawn.
+const PLACES: u32 = 96;
+
+/// A curve over the places of [0, 1].
+///
+/// * `at`: gives the abscissa, the exact value, the measured one, and what rounding may make of it, which is drawn as three standard errors;
+///   `None` leaves a place out.
+pub(super) fn curve(axes: [&'static str; 2], at: impl Fn(f64) -> Option<[f64; 4]>) -> Picture {
+    let places = (0..=PLACES).filter_map(|i| at(f64::from(i) / f64::from(PLACES)));
+    let (exact, measured) = places.map(|[x, exact, y, error]| ([x, exact], [x, y, error / 3.0])).unzip();
+    Picture::Curve { axes, exact, measured }
 }
 
 /// How many points the rare form of a control is wrong at.

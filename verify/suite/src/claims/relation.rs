@@ -24,49 +24,34 @@ use crate::setup::{
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
+    let later = |claim: Claim| claim.from_level(Level::Standard);
     let mut list = vec![
-        same(
-            "relation/strategy/same-mean",
-            "light points, the material's directions, and both weighted give the same mean",
-            || [Strategy::Light, Strategy::Material, Strategy::Both].map(with_strategy).into(),
-        ),
-        same_within(
+        later(same(
             bounds::ESTIMATORS,
             "relation/light-sampling/same-mean",
             "points on lights by area, by solid angle and by both in turn, weighted or not, give the mean of the \
              material's directions",
             estimators,
-        )
-        .from_level(Level::Standard),
-        same("relation/light/split", "a light cut in two gives what it gave whole", || {
-            [room(), split_light()].map(Version::of).into()
-        }),
-        same("relation/light/additive", "two lights give the sum of what each gives", || {
-            let parts = [[1.0, 0.0], [0.0, 1.0]].map(|factors| built(&two_lights(factors))).into();
-            let both = Version::of(two_lights([1.0, 1.0]));
-            vec![Version { parts, ..Version::of(two_lights([1.0, 1.0])) }, both]
-        }),
-        same("relation/light/many", "six lights give the sum of what each gives", || {
-            let parts = (0..6).map(|i| built(&many_lights(i..i + 1))).collect();
-            let both = Version::of(many_lights(0..6));
-            let few = |version| Version { samples: 8, ..version };
-            vec![few(Version { parts, ..Version::of(room()) }), few(both)]
-        })
-        .from_level(Level::Standard),
-        same("relation/sampler/same-mean", "every sampler gives the same mean", || {
-            SamplerKind::ALL.map(|sampler| Version { sampler, samples: 64, ..Version::of(room()) }).into()
-        })
-        .from_level(Level::Standard),
+        )),
+        later(same(
+            bounds::RELATION,
+            "relation/sampler/same-mean",
+            "every sampler gives the same mean, of direct light at a point",
+            under_a_square,
+        )),
         same(
-            "relation/camera/rigid",
+            bounds::RELATION_QUICK,
+            "relation/camera/rigid-quick",
             "a scene and its camera, moved and turned together, give the same mean",
-            || {
-                let far = DAffine3::from_translation(DVec3::new(100.0, -40.0, 7.0));
-                let turned = DAffine3::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 2.0);
-                [DAffine3::IDENTITY, far, turned].map(|outer| Version::of(moved(outer))).into()
-            },
+            || RIGID.map(|outer| Version::of(moved(outer()))).into(),
         ),
-        same_within(
+        same(
+            bounds::INVARIANCE,
+            "relation/camera/rigid",
+            "a scene and its camera, moved and turned together, give the same mean of light from the same points",
+            || RIGID.map(|outer| Version::of(transformed(by_points(), outer()))).into(),
+        ),
+        same(
             bounds::INVARIANCE,
             "relation/scale/powers-of-two",
             "a scene 1024 times as large or small gives the same mean",
@@ -75,18 +60,61 @@ pub(super) fn claims() -> Vec<Claim> {
                 [1.0, 1024.0, 1.0 / 1024.0].map(|factor| Version::of(moved(scale(factor)))).into()
             },
         ),
-        same("relation/roulette/same-mean", "Russian roulette changes the cost and not the mean", || {
-            [u32::MAX, 1].map(roulette_from).into()
-        }),
     ];
     list.extend(allocation::claims());
+    let seldom = [
+        ("relation/light/many-quick", "six lights give the sum of what each gives", six_lights as Versions),
+        ("relation/sampler/same-mean-quick", "every sampler gives the same mean of a room", samplers),
+    ];
+    list.extend(seldom.map(|(id, says, versions)| later(same(bounds::RELATION_QUICK, id, says, versions))));
+    // Its finer part is what `light-sampling/same-mean` says of one point.
+    list.push(same(
+        bounds::RELATION_QUICK,
+        "relation/strategy/same-mean-quick",
+        "light points, the material's directions, and both weighted give the same mean of a room",
+        || [Strategy::Light, Strategy::Material, Strategy::Both].map(with_strategy).into(),
+    ));
+    for (id, says, versions, times) in RELATIONS {
+        list.push(same(bounds::RELATION_QUICK, &format!("{id}-quick"), says, versions));
+        list.push(fine(id, says, versions, times));
+    }
     list.extend(unchanged::claims());
     list.into_iter().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }
 
+/// Makes the versions of a relation.
+type Versions = fn() -> Vec<Version>;
+
+/// Relations of a room that are looked at coarsely at the quick level, and finely later: name, sentence, versions, and how many times the
+/// samples the fine look takes.
+const RELATIONS: [(&str, &str, Versions, u32); 3] = [
+    (
+        "relation/light/split",
+        "a light cut in two gives what it gave whole",
+        || [room(), split_light()].map(Version::of).into(),
+        16,
+    ),
+    (
+        "relation/light/additive",
+        "two lights give the sum of what each gives",
+        || {
+            let parts = [[1.0, 0.0], [0.0, 1.0]].map(two_lights).into();
+            let both = Version::of(two_lights([1.0, 1.0]));
+            vec![Version { parts, ..Version::of(two_lights([1.0, 1.0])) }, both]
+        },
+        96,
+    ),
+    (
+        "relation/roulette/same-mean",
+        "Russian roulette changes the cost and not the mean",
+        || [u32::MAX, 1].map(roulette_from).into(),
+        96,
+    ),
+];
+
 /// One of several versions of a render that should have the same mean: the sum of its parts.
 struct Version {
-    parts: Vec<Scene>,
+    parts: Vec<SceneDescription>,
     sampler: SamplerKind,
     /// Samples a pixel and replicate.
     samples: u32,
@@ -94,13 +122,25 @@ struct Version {
 
 impl Version {
     fn of(description: SceneDescription) -> Self {
-        Self { parts: vec![built(&description)], sampler: SamplerKind::Sobol, samples: SAMPLES }
+        Self { parts: vec![description], sampler: SamplerKind::Sobol, samples: SAMPLES }
     }
 
-    fn mean(&self, seed: u64) -> f64 {
-        self.parts.iter().map(|scene| mean(&image(scene, self.sampler, self.samples, seed))).sum()
+    /// The same with `times` the samples in each of a quarter as many pixels, since more points of a set are worth more than as many
+    /// in several, and under a brighter sky, which leaves less to chance.
+    fn finer(mut self, times: u32) -> Self {
+        self.samples *= times;
+        for description in &mut self.parts {
+            description.film = FilmSettings { width: 4, height: 4, ..description.film };
+            for light in &mut description.lights {
+                *light = LightSettings::Constant { radiance: Rgb::splat(BRIGHT_SKY) };
+            }
+        }
+        self
     }
 }
+
+/// Radiance of the sky where a relation is looked at finely.
+const BRIGHT_SKY: f32 = 0.5;
 
 /// Samples a pixel and replicate where a coarse bound is to be settled.
 const SAMPLES: u32 = 32;
@@ -113,12 +153,19 @@ struct Family {
 
 impl Family {
     fn new(versions: Vec<Version>, bound: f64) -> Self {
-        let unit = versions[0].mean(0);
+        let others = versions.len() - 1;
+        let scenes: Vec<Vec<Scene>> =
+            versions.iter().map(|version| version.parts.iter().map(built).collect()).collect();
+        let mean = move |i: usize, seed: u64| -> f64 {
+            let Version { sampler, samples, .. } = versions[i];
+            scenes[i].iter().map(|scene| mean(&image(scene, sampler, samples, seed))).sum()
+        };
+        let unit = mean(0, 0);
         // sums of f32 products along paths of a few vertices
         let rounding = 16.0 * f64::from(f32::EPSILON);
         let difference = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bound) };
-        let differences = vec![difference; versions.len() - 1];
-        Self { differences, mean: Box::new(remembering(move |version, seed| versions[version].mean(seed))) }
+        let differences = vec![difference; others];
+        Self { differences, mean: Box::new(remembering(mean)) }
     }
 
     /// The difference of another version, times `factor`, to the first, both from the same seed: what noise they share
@@ -128,13 +175,19 @@ impl Family {
     }
 }
 
-/// The claim that all versions have the mean of the first, to the group's bound.
-fn same(id: &'static str, says: &'static str, versions: fn() -> Vec<Version>) -> Claim {
-    same_within(bounds::RELATION, id, says, versions)
+/// The claim of versions of a room in as many times the samples as the group's bound takes.
+fn fine(id: &str, says: &str, versions: Versions, times: u32) -> Claim {
+    let finer = move || versions().into_iter().map(|version| version.finer(times)).collect();
+    same(bounds::RELATION, id, says, finer).from_level(Level::Standard)
 }
 
 /// The claim that all versions have the mean of the first.
-fn same_within(bound: f64, id: &'static str, says: &'static str, versions: fn() -> Vec<Version>) -> Claim {
+fn same(
+    bound: f64,
+    id: &str,
+    says: &str,
+    versions: impl Fn() -> Vec<Version> + Send + Sync + 'static,
+) -> Claim {
     let family = Arc::new(LazyLock::new(move || Family::new(versions(), bound)));
     let (control, brighter) = (family.clone(), family.clone());
     claim(id, says)
@@ -142,8 +195,10 @@ fn same_within(bound: f64, id: &'static str, says: &'static str, versions: fn() 
         .rejects("2.2 × resolution", move |run| {
             joint_control(&control.differences, run, |i, seed| control.difference(i, seed, 1.0))
         })
-        .rejects("one of them 5 % brighter", move |run| {
-            joint_evidence(&brighter.differences, run, |i, seed| brighter.difference(i, seed, 1.05))
+        .rejects(format!("one of them {} % brighter", 250.0 * bound), move |run| {
+            joint_evidence(&brighter.differences, run, |i, seed| {
+                brighter.difference(i, seed, 1.0 + 2.5 * bound)
+            })
         })
         .by(move |run| joint_evidence(&family.differences, run, |i, seed| family.difference(i, seed, 1.0)))
 }
@@ -224,7 +279,33 @@ fn split_light() -> SceneDescription {
     description
 }
 
-/// The room's light and a bright ball, each times a factor; no sky.
+/// The six lights one by one, and together.
+fn six_lights() -> Vec<Version> {
+    let parts = (0..6).map(|i| many_lights(i..i + 1)).collect();
+    let few = |version| Version { samples: 8, ..version };
+    vec![few(Version { parts, ..Version::of(room()) }), few(Version::of(many_lights(0..6)))]
+}
+
+/// The room by every sampler.
+fn samplers() -> Vec<Version> {
+    SamplerKind::ALL.map(|sampler| Version { sampler, samples: 64, ..Version::of(room()) }).into()
+}
+
+/// A point close under a square that emits and the sky, by every sampler; the noisiest comes last, and is not the one that the others are held
+/// against.
+fn under_a_square() -> Vec<Version> {
+    let version = |sampler| {
+        let square = rectangle_at(DVec3::new(0.0, 0.2, 1.0), 0.6 * DVec3::Y, 0.6 * DVec3::X);
+        let mut description = receiver(vec![lamp(ShapeSettings::Rectangle, square)]);
+        description.integrator = IntegratorSettings::DIRECT;
+        description.lights.push(LightSettings::Constant { radiance: Rgb::splat(0.3) });
+        let samples = if sampler == SamplerKind::Independent { 65_536 } else { 8192 };
+        Version { sampler, samples, ..Version::of(description) }
+    };
+    SamplerKind::ALL.into_iter().rev().map(version).collect()
+}
+
+/// The room's light and a bright ball, each times a factor, under no sky.
 fn two_lights(factors: [f32; 2]) -> SceneDescription {
     let mut description = room();
     description.lights.clear();
@@ -256,6 +337,23 @@ fn many_lights(which: std::ops::Range<u32>) -> SceneDescription {
         one.radiance = Rgb::splat([1.0, 8.0, 3.0, 20.0][i as usize % 4]);
         description.objects.push(one);
     }
+    description
+}
+
+/// As it is, far away, and turned.
+const RIGID: [fn() -> DAffine3; 3] = [
+    || DAffine3::IDENTITY,
+    || DAffine3::from_translation(DVec3::new(100.0, -40.0, 7.0)),
+    || DAffine3::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 2.0),
+];
+
+/// The room with light from points on its lamp alone, without inter-reflection and sky: directions are drawn in frames of their own, which a
+/// turn or a mirror does not keep, and their noise with them; points on the lamp stay the same points of it.
+pub(super) fn by_points() -> SceneDescription {
+    let mut description = room();
+    description.integrator.max_depth = Some(2);
+    description.integrator.strategy = Strategy::Light;
+    description.lights.clear();
     description
 }
 

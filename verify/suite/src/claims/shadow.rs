@@ -5,7 +5,7 @@ use renderer::sampling::SamplerKind;
 use renderer::scene::{IntegratorSettings, ObjectSettings, SceneDescription, Strategy};
 use renderer::shapes::ShapeSettings;
 use std::f64::consts::PI;
-use verify::claim::{Claim, Level, Run, claim};
+use verify::claim::{Claim, Evidence, Level, Picture, Run, claim};
 use verify::irradiance::behind_half_plane;
 use verify::quadrature::{Tolerance, integrate_2d};
 use verify::shadow::{behind_ball, behind_polygon};
@@ -221,7 +221,13 @@ fn umbra() -> Claim {
             image(&scene, SamplerKind::Sobol, u32::try_from(run.effort).unwrap_or(u32::MAX), run.seed);
         let misses = rendering.pixels.iter().filter(|p| p.mean != [0.0; 3]).count();
         let pixels = u64::from(SIDE) * u64::from(SIDE);
-        share::judge("share of pixels that are not black", misses as u64, pixels, bounds::MISSES)
+        let evidence =
+            share::judge("share of pixels that are not black", misses as u64, pixels, bounds::MISSES)?;
+        let row = rendering.pixels.iter().take(SIDE as usize).enumerate();
+        let measured: Vec<[f64; 3]> = row.map(|(i, p)| [i as f64, p.mean[0], 0.0]).collect();
+        let exact = measured.iter().map(|p| [p[0], 0.0]).collect();
+        let axes = ["pixel of the umbra's first row", "radiance"];
+        Ok(Evidence { pictures: vec![Picture::Curve { axes, exact, measured }], ..evidence })
     };
     claim("shadow/umbra/black", "where the light is hidden as a whole, every pixel is exactly 0")
         .rejects("the light 5 % wider", move |run| lit(run, 2.1))

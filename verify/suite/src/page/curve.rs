@@ -54,7 +54,7 @@ fn draw_values(
         .label_style(chart::text())
         .y_desc(axes[1])
         .x_label_formatter(&|v| three(Some(*v)))
-        .y_label_formatter(&|v| three(Some(*v)))
+        .y_label_formatter(&|v| three(Some(label(*v, y))))
         .draw()?;
     chart.draw_series(LineSeries::new(exact.iter().copied(), INK.stroke_width(1)))?;
     let style = LINES[0].stroke_width(2);
@@ -86,6 +86,11 @@ fn draw_residuals(area: &Area<'_, '_>, x: [f64; 2], residuals: &[(f64, f64)]) ->
     let clipped = residuals.iter().map(|&(x, r)| (x, r.clamp(-STRIP, STRIP)));
     chart.draw_series(clipped.map(|place| Circle::new(place, 3, LINES[0].filled())))?;
     Ok(())
+}
+
+/// A value on an axis, the zero that steps from its ends miss by rounding included.
+fn label(value: f64, [low, high]: [f64; 2]) -> f64 {
+    if value.abs() < 1e-9 * (high - low) { 0.0 } else { value }
 }
 
 /// A difference in standard errors; 0 where nothing differs, also of a value without error.
@@ -122,6 +127,11 @@ mod tests {
             [residual(0.0, 0.0), residual(0.5, 0.25), residual(-1.0, 0.0)],
             [0.0, 2.0, f64::NEG_INFINITY]
         );
+    }
+
+    #[test]
+    fn zero_is_labelled_zero() {
+        assert_eq!([label(-1e-19, [-1e-3, 1e-3]), label(1e-4, [-1e-3, 1e-3])], [0.0, 1e-4]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 use renderer::film::{Filter, Reconstruction};
 use renderer::sampling::SamplerKind;
 use renderer::scene::Scene;
-use verify::claim::{Claim, Level, Run, claim};
+use verify::claim::{Claim, Evidence, Level, Picture, Run, claim};
 use verify::filter::edge_ratio_moments;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 use verify::share;
@@ -32,9 +32,14 @@ fn weighted(size: [u32; 2], filter: Filter, edge: f64, reconstruction: Reconstru
 fn constant() -> Claim {
     let misses = |run: &Run, reconstruction| {
         let samples = 3 * u32::try_from(run.effort).unwrap_or(u32::MAX);
-        let missed = |filter| {
+        let mut measured = Vec::new();
+        let mut missed = |filter| {
             let scene = weighted([SIDE, SIDE], filter, 99.0, reconstruction);
             let rendering = image(&scene, SamplerKind::Independent, samples, run.seed);
+            let row = rendering.pixels.iter().take(SIDE as usize);
+            let first = measured.len();
+            measured
+                .extend(row.enumerate().map(|(i, p)| [(first + i) as f64, p.mean[0], f64::EPSILON / 3.0]));
             // Sums of equal products: each quotient is within one rounding of f64 of 1.
             let off = |p: &&renderer::film::PixelEstimate| (p.mean[0] - 1.0).abs() > f64::EPSILON;
             rendering.pixels.iter().filter(off).count() as u64
@@ -42,7 +47,11 @@ fn constant() -> Claim {
         let filters =
             [GAUSSIAN, Filter::Tent { radius: 1.0 }, Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }];
         let all = filters.len() as u64 * u64::from(SIDE * SIDE);
-        share::judge("share of pixels that are not 1", filters.map(missed).iter().sum(), all, bounds::MISSES)
+        let misses = filters.map(&mut missed).iter().sum();
+        let evidence = share::judge("share of pixels that are not 1", misses, all, bounds::MISSES)?;
+        let exact = measured.iter().map(|p: &[f64; 3]| [p[0], 1.0]).collect();
+        let axes = ["pixel of three filters' first rows", "radiance"];
+        Ok(Evidence { pictures: vec![Picture::Curve { axes, exact, measured }], ..evidence })
     };
     claim("filter/weighted/constant", "the weighted average of constant light is that light in every pixel")
         .rejects("samples drawn from |f| and not divided", move |run| misses(run, Reconstruction::Importance))

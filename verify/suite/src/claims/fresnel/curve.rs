@@ -1,10 +1,10 @@
 //! Fresnel's reflectance at every angle and index, and where its values are known.
 
 use renderer::materials::fresnel::{Interface, dielectric};
-use verify::claim::{Claim, claim};
+use verify::claim::{Claim, Picture, claim};
 
 use super::super::lobe::closed_form;
-use super::super::pointwise::{EPSILON, never, rejecting, rejecting_subtle, single};
+use super::super::pointwise::{self, EPSILON, never_drawn, rejecting, rejecting_subtle, single};
 use crate::wrong;
 
 /// What is looked at: an interface, from the cosine seen and the index.
@@ -27,11 +27,37 @@ fn pointwise(
     (id, says): (&str, &str),
     misses: fn([f64; 2], Solve) -> bool,
     controls: [(&'static str, Solve); 2],
+    picture: fn() -> Picture,
 ) -> Claim {
     let builder = controls
         .into_iter()
         .fold(claim(id, says), |builder, (name, solve)| rejecting(builder, name, move |u| misses(u, solve)));
-    never(builder, "share of angles and indices with another reflectance", move |u| misses(u, dielectric))
+    let quantity = "share of angles and indices with another reflectance";
+    never_drawn(builder, quantity, move |u| misses(u, dielectric), picture)
+}
+
+/// The index of pictures over angles.
+const GLASS: f32 = 1.5;
+
+/// The reflectance over cosines from −1 (inside) to 1 (outside).
+fn over_cosines(at: fn(f32, Interface) -> Option<[f64; 3]>) -> Picture {
+    pointwise::curve(["cosine, negative inside glass of 1.5", "reflectance (3 σ: its rounding)"], |u| {
+        #[expect(clippy::cast_possible_truncation, reason = "to round is the purpose")]
+        let cos = (2.0 * u - 1.0) as f32;
+        let [exact, found, error] = at(cos, dielectric(cos, GLASS))?;
+        Some([f64::from(cos), exact, found, error])
+    })
+}
+
+/// The reflectance over indices at the cosine that an index has.
+fn over_indices(cos: fn(f64) -> f64, exact: fn(f64) -> f64, roundings: f64) -> Picture {
+    pointwise::curve(["index", "reflectance (3 σ: its rounding)"], |u| {
+        let eta = index(u);
+        let right = exact(f64::from(eta));
+        #[expect(clippy::cast_possible_truncation, reason = "the renderer's cosines are f32")]
+        let found = dielectric(cos(f64::from(eta)) as f32, eta).reflectance;
+        Some([f64::from(eta), right, f64::from(found), roundings * EPSILON * right])
+    })
 }
 
 /// An interface of another reflectance.
@@ -68,6 +94,14 @@ fn curve() -> Claim {
                 with_reflectance(cos, eta, wrong::schlick(f64::from(cos.abs()), f64::from(eta)))
             }),
         ],
+        || {
+            over_cosines(|cos, found| {
+                let far = if cos > 0.0 { f64::from(GLASS) } else { 1.0 / f64::from(GLASS) };
+                let exact = closed_form::fresnel(f64::from(cos.abs()), far);
+                let inside = cos != 0.0 && cos.abs() < 0.999_999;
+                inside.then(|| [exact, f64::from(found.reflectance), 2.0 * EPSILON * exact])
+            })
+        },
     )
 }
 
@@ -89,6 +123,7 @@ fn normal_incidence() -> Claim {
                 with_reflectance(cos, eta, f64::from(dielectric(cos, eta).reflectance).sqrt())
             }),
         ],
+        || over_indices(|_| 1.0, |eta| ((eta - 1.0) / (eta + 1.0)).powi(2), 2.0),
     )
 }
 
@@ -114,6 +149,10 @@ fn brewster() -> Claim {
                 with_reflectance(cos, eta, 2.0 * f64::from(dielectric(cos, eta).reflectance))
             }),
         ],
+        || {
+            let half_squared = |eta: f64| 0.5 * ((eta * eta - 1.0) / (eta * eta + 1.0)).powi(2);
+            over_indices(|eta| 1.0 / (1.0 + eta * eta).sqrt(), half_squared, 4.0)
+        },
     )
 }
 
@@ -138,7 +177,26 @@ fn critical() -> Claim {
     let builder = rejecting_subtle(builder, "index 1e-5 too large", move |u| misses(u, DENSER));
     let other_side: Solve = |cos, eta| dielectric(-cos, eta);
     let builder = rejecting(builder, "seen from the other side", move |u| misses(u, other_side));
-    never(builder, "share of angles and indices with another verdict", move |u| misses(u, dielectric))
+    let quantity = "share of angles and indices with another verdict";
+    never_drawn(
+        builder,
+        quantity,
+        move |u| misses(u, dielectric),
+        || {
+            let sin = 1.0 / f64::from(GLASS);
+            let critical = (1.0 - sin * sin).sqrt();
+            pointwise::curve(
+                ["cosine inside over the critical one", "reflectance (3 σ: its rounding)"],
+                |u| {
+                    #[expect(clippy::cast_possible_truncation, reason = "the renderer's cosines are f32")]
+                    let cos = (critical * (0.99 + 0.02 * u)) as f32;
+                    let exact = closed_form::fresnel(f64::from(cos), sin);
+                    let found = f64::from(dielectric(-cos, GLASS).reflectance);
+                    Some([f64::from(cos) / critical, exact, found, 2.0 * EPSILON * exact])
+                },
+            )
+        },
+    )
 }
 
 fn energy() -> Claim {
@@ -166,5 +224,11 @@ fn energy() -> Claim {
                 Interface { transmittance: right.transmittance / (eta * eta), ..right }
             }),
         ],
+        || {
+            over_cosines(|_, found| {
+                let sum = f64::from(found.reflectance) + f64::from(found.transmittance);
+                Some([1.0, sum, 2.0 * EPSILON])
+            })
+        },
     )
 }

@@ -18,12 +18,15 @@ use crate::setup::rectangle_at;
 pub(super) fn claims() -> Vec<Claim> {
     let corners = square_corners();
     let triangle = triangle_corners().map(|p| p.to_array());
+    let parallelogram = SQUARE.map(|p| super::flat(p).to_array());
     vec![
         rectangle(),
         self::triangle(),
         sphere(),
         pdf(square(), move |from| polygon_solid_angle(from, &corners)),
         pdf(super::triangle(), move |from| polygon_solid_angle(from, &triangle)),
+        // Six triangles, chosen by their solid angles, are one flat light.
+        pdf(super::mesh(), move |from| polygon_solid_angle(from, &parallelogram)),
         pdf(super::sphere(), |from| sphere_solid_angle(RADIUS, (DVec3::from(from) - CENTRE).length())),
     ]
 }
@@ -136,10 +139,15 @@ fn misses(lamp: &Lamp, accel: &Accel, [u, v, place]: [f64; 3], exact: impl Fn([f
     let origin = from.surface.point.as_dvec3();
     let light = light(accel, LightSampling::SolidAngle);
     let Some(sample) = light.sample(accel, &from, [u, v].map(single)) else { return true };
-    let Some(hit) = found(&light, accel, origin, sample.wi.as_dvec3()) else {
-        // at the rim a rounded direction passes the light: 2⁻²² of it, and the root of that at a limb
-        let rim = |u: f64| u.min(1.0 - u) < if lamp.bend > 0.0 { 1e-5 } else { 1e-6 };
-        return !(rim(u) || rim(v));
+    let hit = found(&light, accel, origin, sample.wi.as_dvec3()).or_else(|| {
+        // at the rim a rounded direction passes the light; one turned towards its middle by sixteen roundings does not
+        let inwards = 16.0 * EPSILON * (CENTRE - origin).normalize();
+        found(&light, accel, origin, sample.wi.as_dvec3() + inwards)
+    });
+    let Some(hit) = hit else {
+        // at the limb of a sphere the root of a rounding decides
+        let rim = |u: f64| u.min(1.0 - u) < 1e-5;
+        return !(lamp.bend > 0.0 && (rim(u) || rim(v)));
     };
     let exact = 1.0 / exact(origin.to_array());
     // A mesh's corners are rounded, by 2⁻²⁴ of coordinates below 4 at heights of 0.5 and more; so are both densities.

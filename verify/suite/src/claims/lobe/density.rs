@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 use renderer::materials::{Branch, Bsdf, Facets};
-use verify::claim::{Claim, Evidence, Level, Run, claim};
+use verify::claim::{Claim, Evidence, Level, Picture, Run, claim};
 use verify::error::InputError;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 use super::super::jittered;
-use super::super::pointwise::{EPSILON, never, rejecting, single};
+use super::super::pointwise::{EPSILON, curve, never_drawn, rejecting, single};
 use super::{BLUR, BROAD, ETA, EXPONENT, PHONG, Region, SHARP};
 use super::{
     anywhere, beckmann, blurred, brushed, closed_form, cones, diffuse, everywhere, ggx, ideal, integral,
@@ -224,7 +224,20 @@ fn pdf(subject: Subject) -> Claim {
         _ => ("1e-4 too large", |_, _, pdf| 1.0001 * pdf),
     };
     let builder = rejecting(builder, name, move |u| misses(&subject, u, larger));
-    never(builder, "share of pairs with another density", move |u| misses(&subject, u, |_, _, pdf| pdf))
+    let misses = move |u| misses(&subject, u, |_, _, pdf| pdf);
+    never_drawn(builder, "share of pairs with another density", misses, move || in_plane(&subject))
+}
+
+/// The density in the plane of incidence, seen at 26° from above.
+fn in_plane(subject: &Subject) -> Picture {
+    let wo = towards(0.9);
+    curve(["angle from the normal, degrees", "density per steradian (3 σ: rounding)"], |u| {
+        let degrees = 360.0 * u - 180.0;
+        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let wi = glam::DVec3::new(0.6 * sin, 0.8 * sin, cos).as_vec3();
+        let [exact, error] = (subject.exact)(wo, wi)?;
+        Some([degrees, exact, f64::from(subject.bsdf.pdf(wo, wi)), error])
+    })
 }
 
 /// Whether the density misses at a sampled direction or at one from anywhere.
@@ -240,8 +253,8 @@ fn misses(subject: &Subject, [a, b, lobe, u, v]: [f64; 5], spoil: Spoil) -> bool
     })
 }
 
-/// Samples of a replicate: 32 by 32.
-const SIDE: u32 = 32;
+/// Samples of a replicate: 64 by 64.
+const SIDE: u32 = 64;
 
 fn mass(subject: Subject) -> Claim {
     let says = format!(

@@ -9,7 +9,7 @@ use renderer::scene::{Scene, SceneDescription};
 use verify::claim::{Claim, Level, Run, claim};
 use verify::mean::{CONTROL_FACTOR, MeanClaim, joint_control, joint_evidence};
 
-use super::super::relation::{room, transformed};
+use super::super::relation::{by_points, room, transformed};
 use super::routine::worst_case;
 use crate::bounds;
 use crate::setup::{built, fixed, image, mean, remembering};
@@ -29,10 +29,10 @@ pub(super) fn claims() -> Vec<Claim> {
         ("scaled-1e-6", "a millionth as large", scale(1e-6)),
         ("scaled-1e6", "a million times as large", scale(1e6)),
     ];
-    // A mirrored surface's frame is another, so that its pixels have noise of their own.
     let means = moved.into_iter().chain([("mirrored", "mirrored", mirror)]);
     let means = means.map(|(id, how, outer)| same(id, how, outer).from_level(Level::Standard));
-    means.chain(moved.map(|(id, how, outer)| alike(id, how, outer))).collect()
+    let pixels = moved.map(|(id, how, outer)| alike((id, how), outer, lit));
+    means.chain(pixels).chain([alike(("mirrored", "mirrored"), mirror, by_points)]).collect()
 }
 
 /// The mean absolute difference of two images' pixels, over the mean of the first.
@@ -43,21 +43,27 @@ fn apart(a: &Rendering, b: &Rendering) -> f64 {
     apart / a.iter().sum::<f64>()
 }
 
+/// Makes the scene that is moved.
+type Make = fn() -> SceneDescription;
+
 /// The image of the same seed, pixel by pixel.
-fn alike(id: &'static str, how: &'static str, outer: DAffine3) -> Claim {
-    let trial = move |run: &Run, brighter: f64, moved: fn(DAffine3) -> SceneDescription| {
-        let [there, mut here] = [lit(), moved(outer)]
+fn alike((id, how): (&'static str, &'static str), outer: DAffine3, make: Make) -> Claim {
+    let trial = move |run: &Run, brighter: f64, moved: fn(Make, DAffine3) -> SceneDescription| {
+        let [there, mut here] = [make(), moved(make, outer)]
             .map(|description| image(&built(&description), SamplerKind::Sobol, SAMPLES, run.seed));
         here.pixels.iter_mut().for_each(|p| p.mean = p.mean.map(|m| brighter * m));
         let n = here.pixels.iter().map(|p| p.samples).sum();
         Ok(worst_case("mean difference of pixels", apart(&there, &here), n, bounds::INVARIANCE, None))
     };
     let says = format!("pixels of a scene {how} are the same within 0.2 % in the mean");
-    let exact: fn(DAffine3) -> SceneDescription = |outer| transformed(lit(), outer);
+    let exact: fn(Make, DAffine3) -> SceneDescription = |make, outer| transformed(make(), outer);
     let claim = claim(format!("stable/invariance/{id}-pixels"), says)
         .rejects("2.2 × bound", move |run| trial(run, 1.0 + CONTROL_FACTOR * bounds::INVARIANCE, exact));
     let claim = if id == "translated-1e7" {
         claim.rejects("translations in single precision", move |run| trial(run, 1.0, in_single))
+    } else if id == "mirrored" {
+        // What faces away from its mirror image is lit from the other side.
+        claim.rejects("the light turned over", move |run| trial(run, 1.0, turned_over))
     } else {
         claim
     };
@@ -71,6 +77,13 @@ fn lit() -> SceneDescription {
     description
 }
 
+/// The scene under `outer` with its normals left as they were: those of a mirror's image point to the other side.
+fn turned_over(make: Make, outer: DAffine3) -> SceneDescription {
+    let mut description = transformed(make(), outer);
+    description.objects.iter_mut().for_each(|object| object.flip_normals = !object.flip_normals);
+    description
+}
+
 /// The room and the same under `outer`: their means from the same seed.
 struct Pair {
     mean: Box<dyn Fn(usize, u64) -> f64 + Send + Sync>,
@@ -79,7 +92,7 @@ struct Pair {
 
 impl Pair {
     fn new(outer: DAffine3) -> Self {
-        let scenes = [built(&lit()), built(&transformed(lit(), outer)), built(&in_single(outer))];
+        let scenes = [built(&lit()), built(&transformed(lit(), outer)), built(&in_single(lit, outer))];
         let of = |scene: &Scene, seed| mean(&image(scene, SamplerKind::Sobol, SAMPLES, seed));
         let unit = of(&scenes[0], 0);
         // Sums of f32 products along paths of a few vertices.
@@ -97,8 +110,8 @@ impl Pair {
 }
 
 /// The room under `outer` as a renderer has it that keeps transforms in single precision, in the world's own frame.
-fn in_single(outer: DAffine3) -> SceneDescription {
-    let mut description = transformed(lit(), outer);
+fn in_single(make: Make, outer: DAffine3) -> SceneDescription {
+    let mut description = transformed(make(), outer);
     for object in &mut description.objects {
         let m = object.to_world.at(0.0);
         object.to_world = fixed(DAffine3 { translation: m.translation.as_vec3().as_dvec3(), ..m });

@@ -19,6 +19,7 @@ mod reflection;
 mod routine;
 mod solid_angle;
 mod spawn;
+mod spheres;
 mod tables;
 mod warps;
 mod watertight;
@@ -40,6 +41,7 @@ fn entries() -> impl Iterator<Item = Entry> {
         arithmetic::entries(),
         warps::entries(),
         reflection::entries(),
+        spheres::entries(),
         geometry::entries(),
         solid_angle::entries(),
         facets::entries(),
