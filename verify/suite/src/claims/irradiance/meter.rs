@@ -30,7 +30,7 @@ const HALF: [f64; 2] = [0.6, 0.5];
 const LAMP: ([f64; 2], [f64; 2], f64) = ([-0.8, 2.6], [-1.4, 1.8], 0.7);
 
 /// Samples a pixel and replicate, and replicates at effort 1.
-const WORK: (u32, u64) = (8192, 128);
+const WORK: (u32, u64) = (8192, 32);
 
 pub(super) fn claim_of_pixels() -> Claim {
     let says =

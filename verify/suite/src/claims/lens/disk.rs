@@ -112,8 +112,8 @@ fn moments(scene: &Scene, samples: u32, seed: u64) -> [f64; 2] {
     sums
 }
 
-/// Samples a pixel and replicate for each of them: more where the disk is spread.
-const SAMPLES: [u32; 3] = [512, 16_384, 16_384];
+/// Samples a pixel and replicate for each of them: more where the disk is spread over more pixels.
+const SAMPLES: [u32; 3] = [8192, 16_384, 16_384];
 
 /// Both moments of each aperture, times a factor, in the run's replicates, of so many times fewer samples.
 ///
