@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from tables import ROOT, commit, write
+from tables import ROOT, commit, of_this_commit, write
 
 CATALOGUE = ROOT / "verify" / "suite" / "faults"
 CLASSES = ["sample, pdf and eval disagree", "wrong measure", "index overflow", "correlated decisions",
@@ -198,10 +198,8 @@ def workshops(scratch, count):
 
 def known(options):
     """The rows of an earlier run on this commit, by fault: what a run that was cut off has found."""
-    if not (options.json and options.json.exists()):
-        return {}
-    matrix = json.loads(options.json.read_text(encoding="utf-8"))
-    return {row["id"]: row for row in matrix["faults"]} if matrix["commit"] == commit() else {}
+    matrix = of_this_commit(options.json) if options.json else None
+    return {row["id"]: row for row in matrix["faults"]} if matrix else {}
 
 
 def examine_all(faults, options):

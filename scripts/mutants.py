@@ -21,7 +21,7 @@ from math import comb
 from pathlib import Path
 
 from faults import Unplantable, workshops
-from tables import ROOT, commit, write
+from tables import ROOT, commit, of_this_commit, write
 
 TABLE = ROOT / "references" / "mutants.json"
 SOURCES = [*(f"renderer/src/{part}/**/*.rs" for part in ("sampling", "materials", "lights", "camera", "film", "shapes")),
@@ -165,8 +165,8 @@ def main():
     parser.add_argument("--jobs", type=int, default=2, help="mutants at a time (default: 2)")
     options = parser.parse_args()
     try:
-        table = json.loads(options.o.read_text(encoding="utf-8")) if options.o.exists() else {"commit": None}
-        rows = table["mutants"] if table["commit"] == commit() else []
+        table = of_this_commit(options.o)
+        rows = table["mutants"] if table else []
         mutants = listed()
         rows = try_all(random.Random(options.seed).sample(mutants, len(mutants)), rows, options)
     except (OSError, Unplantable, json.JSONDecodeError) as error:

@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tables import ROOT, commit, write
+from tables import ROOT, commit, of_this_commit, write
 
 TABLE = ROOT / "references" / "seeds.json"
 PROGRAM = ROOT / "target" / "release" / "lightproof"
@@ -68,11 +68,10 @@ def main():
     parser.add_argument("-o", type=Path, default=TABLE, metavar="FILE", help="default: references/seeds.json")
     options = parser.parse_args()
     try:
-        table = json.loads(options.o.read_text(encoding="utf-8")) if options.o.exists() else fresh()
         if options.check:
+            table = json.loads(options.o.read_text(encoding="utf-8")) if options.o.exists() else fresh()
             return 0 if check(table, options.seeds, options.program) else 1
-        if table["commit"] != commit():
-            table = fresh()
+        table = of_this_commit(options.o) or fresh()
         for seed in [seed for seed in options.seeds if seed not in table["seeds"]]:
             add(table, seed, verdicts(options.program, seed))
             write(options.o, table)

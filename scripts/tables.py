@@ -13,6 +13,14 @@ def commit():
                           text=True).stdout.strip()
 
 
+def of_this_commit(path):
+    """The table at a path if it is there and of the last commit, what a run that was cut off has found; else None."""
+    if not path.exists():
+        return None
+    table = json.loads(path.read_text(encoding="utf-8"))
+    return table if table["commit"] == commit() else None
+
+
 def write(path, table):
     """Writes a table beside itself first, so that a run that is cut off leaves the last whole one."""
     path.parent.mkdir(parents=True, exist_ok=True)

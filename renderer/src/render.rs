@@ -47,6 +47,20 @@ impl RenderSettings {
         Part::new([scene.film.width, scene.film.height], self.replicates, [0, self.samples])
     }
 
+    /// Does `work` on the threads that are asked for.
+    fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, ParamError> {
+        if self.threads == 0 {
+            return Ok(work());
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
+        let refused = ParamError::OutOfRange {
+            name: "the number of threads",
+            value: self.threads as f64,
+            accepted: "a number that the system can start",
+        };
+        Ok(pool.map_err(|_| refused)?.install(work))
+    }
+
     fn check(&self) -> Result<(), ParamError> {
         for (name, value) in
             [("the number of samples", self.samples), ("the number of replicates", self.replicates)]
@@ -158,14 +172,6 @@ pub fn go_on(
     }
 }
 
-fn pool(threads: usize) -> Result<rayon::ThreadPool, ParamError> {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|_| ParamError::OutOfRange {
-        name: "the number of threads",
-        value: threads as f64,
-        accepted: "a number that the system can start",
-    })
-}
-
 /// How the tiles that a part misses are rendered.
 struct Finish<'a, I> {
     scene: &'a Scene,
@@ -196,11 +202,7 @@ impl<I: Integrator> Finish<'_, I> {
                 (self.watch)(&part);
             });
         };
-        if self.settings.threads == 0 {
-            work();
-        } else {
-            pool(self.settings.threads)?.install(work);
-        }
+        self.settings.on_threads(work)?;
         Ok(part.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 

@@ -1,31 +1,26 @@
 //! The irradiance meter: how scene files ask for it, and a sky whose irradiance is known.
 
-use std::fs;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicU32, Ordering};
+mod folder;
 
 use renderer::camera::Projection;
 use renderer::integrator::PathTracer;
-use renderer::io::read_scene;
 use renderer::render::{RenderSettings, render};
 use renderer::sampling::SamplerKind;
 use renderer::scene::{Effect, Scene, SceneDescription};
 
+use folder::Folder;
+
 const METER: &str = r#"<sensor type="irradiancemeter"><film type="hdrfilm"><integer name="width" value="3"/>
 <integer name="height" value="2"/><rfilter type="box"/></film></sensor>"#;
 
-/// The scene with `body`, or the message with which it is refused.
-fn read(body: &str) -> Result<SceneDescription, String> {
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    let name =
-        format!("lightproof-meter-{}-{}.xml", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-    let path: PathBuf = std::env::temp_dir().join(name);
-    fs::write(&path, format!("<scene version=\"3.0.0\">\n{body}\n</scene>")).unwrap();
-    let scene = read_scene(&path, &[]);
-    fs::remove_file(&path).unwrap();
-    scene
-        .map(|(scene, _)| scene)
-        .map_err(|error| error.to_string().replace(&*path.to_string_lossy(), "s.xml"))
+/// A folder with the scene of `body`.
+fn with(body: &str) -> Folder {
+    Folder::new(&[("s.xml", &format!("<scene version=\"3.0.0\">\n{body}\n</scene>"))])
+}
+
+/// The scene of `body`.
+fn read(body: &str) -> SceneDescription {
+    with(body).read(&[]).unwrap().0
 }
 
 #[test]
@@ -36,7 +31,7 @@ fn a_meter_under_an_even_sky_measures_pi_times_its_radiance() {
             r#"<shape type="{shape}"><transform name="to_world"><translate x="5"/></transform>{METER}</shape>
             {sky}<integrator type="direct"/>"#
         );
-        let description = read(&body).unwrap();
+        let description = read(&body);
         assert!(matches!(description.camera.projection, Projection::IrradianceMeter { .. }));
         let scene = Scene::new(&description).unwrap();
         assert!(scene.effects.contains(Effect::Lens));
@@ -72,14 +67,14 @@ fn what_a_meter_cannot_be_is_refused_by_name() {
             "a sensor in a shapegroup",
         ),
     ] {
-        let refused = read(&body).expect_err(message);
+        let refused = with(&body).refused();
         assert!(refused.contains(message), "{refused}");
     }
 }
 
 #[test]
 fn the_directions_of_a_meter_cannot_be_left_out() {
-    let mut description = read(&format!(r#"<shape type="disk">{METER}</shape>"#)).unwrap();
+    let mut description = read(&format!(r#"<shape type="disk">{METER}</shape>"#));
     let refused = description.leave_out(Effect::Lens).expect_err("a meter without directions").to_string();
     assert!(refused.contains("irradiancemeter"), "{refused}");
 }

@@ -1,11 +1,11 @@
 //! Scene files: what they mean, what is refused with which message, and that nothing makes the reader panic.
 
+mod folder;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DAffine3, DVec3};
-use renderer::Error;
 use renderer::camera::{FovAxis, Projection};
 use renderer::film::Filter;
 use renderer::io::read_scene;
@@ -16,39 +16,7 @@ use renderer::scene::{Branch, LightSettings, Scene, SceneDescription};
 use renderer::shapes::ShapeSettings;
 use renderer::texture::Texture;
 
-/// A folder of its own with files in it, which goes away at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(files: &[(&str, &str)]) -> Self {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("lightproof-scenes-{}-{number}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        for (name, text) in files {
-            fs::write(path.join(name), text).unwrap();
-        }
-        Self(path)
-    }
-
-    fn read(&self, overrides: &[(&str, &str)]) -> Result<(SceneDescription, Vec<String>), Error> {
-        let own = |&(name, value): &(&str, &str)| (name.to_string(), value.to_string());
-        let overrides: Vec<_> = overrides.iter().map(own).collect();
-        read_scene(&self.0.join("s.xml"), &overrides)
-    }
-
-    /// The refusal's message without the folder's path.
-    fn refused(&self) -> String {
-        let error = self.read(&[]).expect_err("a scene that is refused");
-        error.to_string().replace(&format!("{}/", self.0.display()), "")
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+use folder::Folder;
 
 /// A scene with a sensor, and `body` from line 3 on.
 fn with_sensor(body: &str) -> String {

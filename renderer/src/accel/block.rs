@@ -183,15 +183,8 @@ impl Probe {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::group::Any;
-    use crate::sampling::warp;
+    use crate::accel::group::{Any, point};
     use crate::shapes::triangle::ShearedRay;
-
-    /// A point of the unit sphere for each `n`, without an order.
-    fn point(n: u32) -> Vec3 {
-        let fraction = |x: f32| x - x.floor();
-        warp::square_to_sphere([fraction(n as f32 * 0.754_877), fraction(n as f32 * 0.569_84)])
-    }
 
     #[test]
     fn certain_hits_are_hits_and_hits_are_candidates() {

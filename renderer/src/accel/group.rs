@@ -333,6 +333,14 @@ fn are_coherent(rays: &[Ray]) -> bool {
     2 * along >= pairs.len()
 }
 
+/// A point of the unit sphere for each `n`, without an order.
+#[cfg(test)]
+pub(super) fn point(n: u32) -> Vec3 {
+    let fraction = |x: f32| x - x.floor();
+    let u = [0.754_877, 0.569_84].map(|step| fraction(n as f32 * step));
+    crate::sampling::warp::square_to_sphere(u)
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -340,14 +348,7 @@ mod tests {
     use glam::DAffine3;
 
     use super::*;
-    use crate::sampling::warp;
     use crate::shapes::{MeshData, ShapeSettings};
-
-    /// A point of the unit sphere for each `n`, without an order.
-    fn point(n: u32) -> Vec3 {
-        let fraction = |x: f32| x - x.floor();
-        warp::square_to_sphere([fraction(n as f32 * 0.754_877), fraction(n as f32 * 0.569_84)])
-    }
 
     #[test]
     fn rays_walked_in_turns_find_what_each_finds_alone() {

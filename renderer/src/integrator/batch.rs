@@ -16,7 +16,7 @@ pub struct Sample {
     pub weight: f32,
     /// When it sees the scene.
     pub time: f32,
-    /// Where on the unit disk its ray crosses the lens; the middle without a lens.
+    /// Where on the unit disk its ray crosses the lens, the middle without a lens; of a meter the numbers of its direction.
     pub lens: [f32; 2],
     /// Radiance [W m⁻² sr⁻¹] found so far.
     pub radiance: Rgb,

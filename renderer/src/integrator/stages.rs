@@ -22,7 +22,7 @@ pub fn camera<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
         shutter_times(scene, sampler, batch);
     }
     if scene.effects.contains(Effect::Lens) {
-        lens_points(sampler, batch);
+        lens_points(scene, sampler, batch);
     }
     camera_rays(scene, batch);
 }
@@ -44,13 +44,13 @@ pub fn shutter_times<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) 
     }
 }
 
-/// Where on the lens each sample's ray starts.
-pub fn lens_points<S: Sampler>(sampler: &S, batch: &mut Batch) {
+/// Where on the lens each sample's ray starts; of a meter the numbers of its direction.
+pub fn lens_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
     let Batch { samples, draws, .. } = batch;
     draws.at_camera(samples);
     sampler.draw_2d_each(&draws.places, Decision::Lens, &mut draws.points);
     for (sample, &u) in samples.iter_mut().zip(&draws.points) {
-        sample.lens = warp::square_to_disk(u).to_array();
+        sample.lens = if scene.meter.is_some() { u } else { warp::square_to_disk(u).to_array() };
     }
 }
 

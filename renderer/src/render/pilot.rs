@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use super::{Finish, RenderSettings, pool};
+use super::{Finish, RenderSettings};
 use crate::error::ParamError;
 use crate::film::{Allocation, Part, Pilot, Tile, allocation};
 use crate::integrator::batch::Sample;
@@ -80,10 +80,7 @@ impl<I: Integrator> Finish<'_, I> {
             each.map(|(index, tile)| self.pilot_tile(sampler, &empty, (index, tile), &part))
                 .collect::<Vec<_>>()
         };
-        let found = match self.settings.threads {
-            0 => work(),
-            threads => pool(threads)?.install(work),
-        };
+        let found = self.settings.on_threads(work)?;
         let mut variances = vec![0.0; film[0] as usize * film[1] as usize];
         for (tile, found) in tiles.iter().zip(&found) {
             for ([x, y], variance) in tile.pixels().zip(&found.variances) {

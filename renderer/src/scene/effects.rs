@@ -80,7 +80,13 @@ impl SceneDescription {
             Effect::Lens => match &mut self.camera.projection {
                 Projection::Perspective { lens_radius, .. } => *lens_radius = 0.0,
                 Projection::Orthographic => (),
-                Projection::IrradianceMeter { .. } => return Err(no_pinhole()),
+                Projection::IrradianceMeter { .. } => {
+                    return Err(cannot_leave_out(
+                        "sensor",
+                        "number of lenses that cannot be left out",
+                        "sensors other than an irradiancemeter, whose lens is the hemisphere of directions",
+                    ));
+                }
             },
             Effect::Shutter => {
                 let open = self.camera.shutter.open;
@@ -89,8 +95,10 @@ impl SceneDescription {
             Effect::AreaLight => self.objects.iter_mut().for_each(|o| o.radiance = Rgb::BLACK),
             Effect::Rough => {
                 for object in &mut self.objects {
-                    let sharp = object.material.sharp().ok_or_else(|| no_sharp_form(&object.name))?;
-                    object.material = sharp.into();
+                    let name = "number of rough lobes without a sharp form";
+                    let accepted = "materials whose roughness is an alpha or a blur";
+                    let refused = || cannot_leave_out(&object.name, name, accepted);
+                    object.material = object.material.sharp().ok_or_else(refused)?.into();
                 }
             }
             Effect::Dielectric => {
@@ -107,18 +115,9 @@ impl SceneDescription {
     }
 }
 
-fn no_pinhole() -> Error {
-    let accepted = "sensors other than an irradiancemeter, whose lens is the hemisphere of directions";
-    let reason =
-        ParamError::OutOfRange { name: "number of lenses that cannot be left out", value: 1.0, accepted };
-    Error::Scene { object: "sensor".into(), reason }
-}
-
-fn no_sharp_form(object: &str) -> Error {
-    let accepted = "materials whose roughness is an alpha or a blur";
-    let reason =
-        ParamError::OutOfRange { name: "number of rough lobes without a sharp form", value: 1.0, accepted };
-    Error::Scene { object: object.into(), reason }
+/// What `object` has one of, although it is to be left out.
+fn cannot_leave_out(object: &str, name: &'static str, accepted: &'static str) -> Error {
+    Error::Scene { object: object.into(), reason: ParamError::OutOfRange { name, value: 1.0, accepted } }
 }
 
 /// Which effects are called for.

@@ -2,11 +2,10 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
-
 use super::Scene;
 use crate::math::Frame;
 use crate::ray::Ray;
+use crate::sampling::warp::square_to_cosine_hemisphere;
 
 /// An irradiance meter: E = ∫ L cos θ dω over the hemisphere on the side of the surface's normal, averaged over the part of
 /// the surface that a pixel covers.
@@ -24,22 +23,19 @@ impl Meter {
 
     /// The ray from the surface at the point `p` of the film, uniform by area.
     ///
-    /// * `p`: in [−1, 1)², rightwards and downwards; `zeta`: on the unit disk, the direction's coordinates in the tangent plane,
-    ///   which makes directions cosine-distributed (Malley's method).
+    /// * `p`: in [−1, 1)², rightwards and downwards; `u`: in [0, 1)², for the direction.
     ///
     /// # Measure
     /// Origins 1 / area per m², directions cos θ / π per steradian.
     ///
     /// # Source
-    /// Mitsuba 3, plugin `irradiancemeter`; Pharr, Jakob, Humphreys, Physically Based Rendering 4e, section A.5.3.
+    /// Mitsuba 3, plugin `irradiancemeter`.
     ///
     /// # Verified by
     /// the claims irradiance/meter/*
-    pub fn ray(self, scene: &Scene, p: [f32; 2], zeta: [f32; 2], time: f32) -> Ray {
+    pub fn ray(self, scene: &Scene, p: [f32; 2], u: [f32; 2], time: f32) -> Ray {
         let object = &scene.accel.objects()[self.object as usize];
         let (surface, _) = object.sample_area(p.map(|p| 0.5 * p + 0.5), time);
-        let [x, y] = zeta;
-        let z = (1.0 - x * x - y * y).max(0.0).sqrt(); // of the rim rounding makes a negative square
-        surface.spawn(Frame::from_z(surface.ng).to_world(Vec3::new(x, y, z)), time)
+        surface.spawn(Frame::from_z(surface.ng).to_world(square_to_cosine_hemisphere(u)), time)
     }
 }

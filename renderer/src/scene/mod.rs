@@ -82,8 +82,9 @@ impl Scene {
         let mut surfaces = Vec::new();
         let mut lights = Vec::new();
         let mut meter = None;
-        for (place_in_list, object) in description.objects.iter().enumerate() {
-            if settings.projection == (Projection::IrradianceMeter { object: place_in_list }) {
+        let measured = measured(settings, description.objects.len()).map_err(refuse("sensor"))?;
+        for (number, object) in description.objects.iter().enumerate() {
+            if measured == Some(number) {
                 meter = Some(Meter { object: index(objects.len())? });
             } else if object.material.is_absent() && object.radiance.is_black() {
                 continue;
@@ -107,7 +108,7 @@ impl Scene {
         let lights = Lights::new(lights, &accel, [shutter.open, shutter.close]);
         let mut scene = Self {
             camera,
-            meter: meter_of(settings, meter, &description.objects).map_err(refuse("sensor"))?,
+            meter,
             shutter,
             film,
             accel,
@@ -166,19 +167,14 @@ impl Scene {
     }
 }
 
-/// The meter that was found, which must be there if the settings name one.
-fn meter_of(
-    settings: &CameraSettings,
-    found: Option<Meter>,
-    objects: &[ObjectSettings],
-) -> Result<Option<Meter>, ParamError> {
-    match settings.projection {
-        Projection::IrradianceMeter { object } if found.is_none() => {
-            let (index, last) = (object as u64, (objects.len() as u64).saturating_sub(1));
-            Err(ParamError::Index { name: "the object of the irradiance meter", index, last })
-        }
-        _ => Ok(found),
+/// Which of `count` objects measures irradiance, if that is what the settings ask for.
+fn measured(settings: &CameraSettings, count: usize) -> Result<Option<usize>, ParamError> {
+    let Projection::IrradianceMeter { object } = settings.projection else { return Ok(None) };
+    if object < count {
+        return Ok(Some(object));
     }
+    let (index, last) = (object as u64, (count as u64).saturating_sub(1));
+    Err(ParamError::Index { name: "the object of the irradiance meter", index, last })
 }
 
 /// The object in the render frame: at rest with its geometry there, moving with its geometry in object space.
