@@ -210,11 +210,22 @@ impl Slab {
         };
         let near = |axis: usize| distance(axis, self.upper_first[axis], self.inverse[axis]);
         let far = |axis: usize| distance(axis, 1 - self.upper_first[axis], self.inverse_far[axis]);
-        // As trees, whose results are there sooner than a chain's.
-        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
-        let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(f32x8::splat(limit)));
-        (enter.simd_le(leave).to_bitmask(), enter)
+        met(near, far, f32x8::splat(limit))
     }
+}
+
+/// Which of eight boxes are met before their limits (bits), and how far away each is entered, by the distances of their
+/// nearer and farther sides along each axis.
+#[inline]
+pub(super) fn met(
+    near: impl Fn(usize) -> f32x8,
+    far: impl Fn(usize) -> f32x8,
+    limits: f32x8,
+) -> (u32, f32x8) {
+    // As trees, whose results are there sooner than a chain's.
+    let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
+    let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(limits));
+    (enter.simd_le(leave).to_bitmask(), enter)
 }
 
 /// How far away a box may begin and still matter, if hits matter up to `reach`; finite, so that a ray along an axis

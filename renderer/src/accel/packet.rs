@@ -5,7 +5,7 @@ use std::array::from_fn;
 use wide::f32x8;
 
 use super::group::Context;
-use super::node::{NodeRef, Slab, WIDTH, limit};
+use super::node::{NodeRef, Slab, WIDTH, limit, met};
 use super::walk::{Entry, Mode, Search, Tree};
 use crate::ray::Ray;
 
@@ -90,9 +90,7 @@ impl Packet {
             let (a, b) = products(axis, 1 - self.upper_first[axis], 1, self.inverses_far[axis]);
             a.fast_max(b)
         };
-        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
-        let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(f32x8::splat(limit)));
-        (enter.simd_le(leave).to_bitmask(), enter)
+        met(near, far, f32x8::splat(limit))
     }
 
     /// Which rays meet the box in a slot of a node before their limits, as bits.
@@ -103,9 +101,7 @@ impl Packet {
         };
         let near = |axis: usize| distance(axis, self.upper_first[axis], self.inverse[axis]);
         let far = |axis: usize| distance(axis, 1 - self.upper_first[axis], self.inverse_far[axis]);
-        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
-        let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(limits));
-        enter.simd_le(leave).to_bitmask()
+        met(near, far, limits).0
     }
 
     /// Walks the rays through a tree. Each meets at least the boxes that it meets alone, so it finds the same.
