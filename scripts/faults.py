@@ -28,7 +28,8 @@ CLASSES = ["sample, pdf and eval disagree", "wrong measure", "index overflow", "
            "half-cell offset", "cancellation", "convention mismatch", "comparator bug"]
 LEVELS = ["quick", "standard"]
 # Changes of the release profile with which one changed file is built in seconds; other people's crates stay the same.
-PLANTED = [word for setting in ("incremental=true", "package.renderer.codegen-units=256")
+PLANTED = [word for setting in ("incremental=true", "package.renderer.codegen-units=256", "package.renderer.debug=false",
+                                "package.verify.debug=false", "package.lightproof.debug=false")
            for word in ("--config", f"profile.release.{setting}")]
 
 
