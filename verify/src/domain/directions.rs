@@ -33,6 +33,7 @@ impl Domain for Directions {
 
     /// The share of the height between pole and rim (Archimedes: dω = dz dφ), and the angle about z as a
     /// share of the circle.
+    #[inline]
     fn to_square(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
         if !is_unit([x, y, z]) {
             return None;
@@ -42,6 +43,7 @@ impl Domain for Directions {
         Some([inside(below_pole / self.depth, EDGE_ROUNDING / self.depth.min(1.0).sqrt())?, turn(x, y)])
     }
 
+    #[inline]
     fn point(&self, [share, turn]: [f64; 2]) -> [f64; 3] {
         let below_pole = share * self.depth;
         let ring = (below_pole * (2.0 - below_pole)).max(0.0).sqrt();

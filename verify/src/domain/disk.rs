@@ -25,11 +25,13 @@ impl Domain for Disk {
 
     /// The square of the distance from the centre over that of the edge, and the angle as a share of the
     /// circle: r dr dφ = d(r²/2) dφ.
+    #[inline]
     fn to_square(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let share = inside((x * x + y * y) / (self.radius * self.radius), 2.0 * EDGE_ROUNDING)?;
         Some([share, turn(x, y)])
     }
 
+    #[inline]
     fn point(&self, [share, turn]: [f64; 2]) -> [f64; 2] {
         let r = self.radius * share.sqrt();
         let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
