@@ -226,8 +226,10 @@ impl<I: Integrator> Finish<'_, I> {
         mut seen: impl FnMut(&[Sample]),
     ) {
         let replicates = self.settings.replicates;
+        let film = &self.scene.film;
         let of_pixel = |pixel: [u32; 2]| {
             let [start, end] = range_of(pixel);
+            let pixel = film.pixel(pixel);
             (0..replicates).flat_map(move |replicate| {
                 (start..end).map(move |index| SampleId { pixel, replicate, index })
             })
@@ -246,7 +248,7 @@ impl<I: Integrator> Finish<'_, I> {
                 |a: &Sample, b: &Sample| (a.id.pixel, a.id.replicate) == (b.id.pixel, b.id.replicate);
             for run in batch.samples.chunk_by(of_one_sum) {
                 let id = run[0].id;
-                let place = tile.place(id.pixel);
+                let place = tile.place(film.in_image(id.pixel));
                 summed.clear();
                 summed.extend(run.iter().map(|sample| values(sample.weighted(), sample.weight)));
                 begun.sums[place].extend(id.replicate, &summed);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use renderer::ParamError;
 use renderer::camera::{Camera, CameraSettings, FovAxis, Projection, Shutter};
-use renderer::film::{Film, FilmSettings, Filter, FilterSampler, Reconstruction};
+use renderer::film::{Crop, Film, FilmSettings, Filter, FilterSampler, Reconstruction};
 use renderer::lights::{Environment, Spot};
 use renderer::materials::{Beckmann, Ggx, Material, Metal};
 use renderer::math::Rgb;
@@ -195,11 +195,22 @@ fn cameras() {
 
 #[test]
 fn films_and_distributions() {
-    let film = |width, height, filter| {
-        Film::new(&FilmSettings { width, height, filter, reconstruction: Reconstruction::Importance })
+    let settings = |width, height, filter| FilmSettings {
+        width,
+        height,
+        crop: None,
+        filter,
+        reconstruction: Reconstruction::Importance,
     };
+    let film = |width, height, filter| Film::new(&settings(width, height, filter));
     says(film(0, 4, Filter::PIXEL), &["pixels", "0", "1 to 268435456"]);
     says(film(1 << 20, 1 << 20, Filter::PIXEL), &["pixels", "1099511627776", "1 to 268435456"]);
+    let cropped = |offset, size| {
+        Film::new(&FilmSettings { crop: Some(Crop { offset, size }), ..settings(8, 4, Filter::PIXEL) })
+    };
+    says(cropped([0, 0], [0, 2]), &["pixels", "0", "1 to 268435456"]);
+    says(cropped([0, 3], [8, 2]), &["the end of the crop", "5", "a rectangle of the film's pixels"]);
+    says(cropped([u32::MAX, 0], [2, 2]), &["the end of the crop", "4294967297"]);
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         says(FilterSampler::new(Filter::Box { radius: value }), &["radius", "above 0"]);
         says(FilterSampler::new(Filter::Tent { radius: value }), &["radius", "above 0"]);

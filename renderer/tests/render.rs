@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use renderer::camera::{CameraSettings, FovAxis, Projection, Shutter};
-use renderer::film::{Allocation, FilmSettings, Filter, Part, Reconstruction};
+use renderer::film::{Allocation, Crop, FilmSettings, Filter, Part, Reconstruction};
 use renderer::integrator::{Integrator, PathTracer};
 use renderer::io::read_scene;
 use renderer::materials::Material;
@@ -45,6 +45,7 @@ fn scene_of(objects: Vec<ObjectSettings>, integrator: IntegratorSettings) -> Sce
         film: FilmSettings {
             width: 20,
             height: 18,
+            crop: None,
             filter: Filter::PIXEL,
             reconstruction: Reconstruction::Importance,
         },
@@ -135,6 +136,25 @@ fn samples_by_error_are_the_same_for_any_threads_and_when_begun_again() {
         let again = Part::allocated(film, 2, 20, Allocation { counts: counts.clone(), pilot: None }).unwrap();
         assert_eq!(finished(&settings, again), one, "{}", sampler.name());
         assert!(one.pixels.iter().zip(counts).all(|(p, n)| p.samples == u64::from(2 * n)));
+    }
+}
+
+#[test]
+fn a_crop_is_a_part_of_the_whole_image_bit_for_bit() {
+    let mut whole = furnace(0.8, IntegratorSettings::PATH);
+    // A ball in the view, so that the image tells where a ray went.
+    let ball = ShapeSettings::Sphere { center: DVec3::new(0.1, 0.0, 1.0), radius: 0.2 };
+    whole.objects.push(object("ball", ball, at(DAffine3::IDENTITY), diffuse(0.1), 0.0));
+    let mut part = whole.clone();
+    let (offset, size) = ([3, 1], [15, 17]);
+    part.film.crop = Some(Crop { offset, size });
+    for sampler in SamplerKind::ALL {
+        let (whole, part) = (run(&whole, sampler, 1), run(&part, sampler, 2));
+        assert_eq!([part.width, part.height], size);
+        for (place, pixel) in (0..).zip(&part.pixels) {
+            let [x, y] = [offset[0] + place % size[0], offset[1] + place / size[0]];
+            assert_eq!(*pixel, whole.pixels[(y * whole.width + x) as usize], "{} {x} {y}", sampler.name());
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
 use renderer::camera::{FovAxis, Projection};
-use renderer::film::Filter;
+use renderer::film::{Crop, Filter};
 use renderer::io::read_scene;
 use renderer::materials::Material;
 use renderer::math::Rgb;
@@ -145,8 +145,12 @@ fn films_of_no_or_too_many_pixels_are_refused() {
     );
     expect_parts(&width("1.5"), &["s.xml:2:44: 'width' is '1.5'; a whole number is accepted"]);
     expect_parts(
-        &film(r#"<integer name="crop_width" value="4"/>"#),
-        &["s.xml:2:22: 'crop_width'", "whole films"],
+        &film(r#"<integer name="crop_offset_x" value="8"/><integer name="crop_width" value="761"/>"#),
+        &["s.xml:2:63: 'crop_width' is 761 from 8 on; 1 to 760 is accepted"],
+    );
+    expect_parts(
+        &film(r#"<integer name="crop_offset_y" value="576"/>"#),
+        &["s.xml:2:22: 'crop_offset_y' is 576; 0 to 575 is accepted"],
     );
     expect_parts(
         &film(r#"<rfilter type="sinc"/>"#),
@@ -272,7 +276,7 @@ fn a_whole_scene_is_what_it_says() {
         <integrator type="distribution"><integer name="max_depth" value="7"/><string name="branch" value="half"/></integrator>
         <sensor type="thinlens"><float name="fov" value="30"/><string name="fov_axis" value="y"/><float name="aperture_radius" value="0.1"/>
           <float name="focus_distance" value="5"/><float name="near_clip" value="1"/>
-          <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="4"/><rfilter type="mitchell"><float name="B" value="0.2"/></rfilter></film>
+          <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="4"/><integer name="crop_offset_x" value="3"/><integer name="crop_width" value="5"/><rfilter type="mitchell"><float name="B" value="0.2"/></rfilter></film>
           <sampler type="ldsampler"><integer name="sample_count" value="32"/><integer name="seed" value="7"/></sampler></sensor>
         <shape type="rectangle"><emitter type="area"><spectrum name="radiance" value="400:0, 500:8, 600:15.6, 700:18.4"/></emitter></shape>
         <shape type="cylinder"><bsdf type="diffuse"><float name="reflectance" value="0.25"/></bsdf></shape>
@@ -282,6 +286,7 @@ fn a_whole_scene_is_what_it_says() {
     let lens = Projection::Perspective { fov: 30.0, axis: FovAxis::Y, lens_radius: 0.1, focus_distance: 5.0 };
     assert_eq!(scene.camera.projection, lens);
     assert_eq!((scene.film.width, scene.film.height), (8, 4));
+    assert_eq!(scene.film.crop, Some(Crop { offset: [3, 0], size: [5, 4] }));
     assert_eq!(scene.film.filter, Filter::Mitchell { b: 0.2, c: 1.0 / 3.0 });
     assert_eq!((scene.sampler.kind, scene.sampler.spp, scene.sampler.seed), (SamplerKind::Sobol, 32, 7));
     assert_eq!((scene.integrator.max_depth, scene.integrator.branch), (Some(7), Branch::Half));

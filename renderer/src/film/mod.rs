@@ -40,6 +40,15 @@ impl Reconstruction {
     }
 }
 
+/// A rectangle of the pixels of a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Crop {
+    /// Its first column and row.
+    pub offset: [u32; 2],
+    /// Columns and rows, at least 1.
+    pub size: [u32; 2],
+}
+
 /// The image to make.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmSettings {
@@ -47,19 +56,32 @@ pub struct FilmSettings {
     pub width: u32,
     /// Rows, at least 1.
     pub height: u32,
+    /// The part of these columns and rows that is made; `None` for all.
+    pub crop: Option<Crop>,
     /// The pixel filter.
     pub filter: Filter,
     /// How samples are weighed.
     pub reconstruction: Reconstruction,
 }
 
+impl FilmSettings {
+    /// Columns and rows of the image: those of the crop, where there is one.
+    pub fn size(&self) -> [u32; 2] {
+        self.crop.map_or([self.width, self.height], |crop| crop.size)
+    }
+}
+
 /// A film ready for samples.
 #[derive(Debug, Clone)]
 pub struct Film {
-    /// Columns.
+    /// Columns of the image.
     pub width: u32,
-    /// Rows.
+    /// Rows of the image.
     pub height: u32,
+    /// The image's first column and row on the whole film.
+    pub offset: [u32; 2],
+    /// Columns and rows of the whole film.
+    pub whole: [u32; 2],
     /// The filter with its tables.
     pub filter: FilterSampler,
     /// How samples are weighed.
@@ -73,27 +95,49 @@ impl Film {
     /// The film of `settings`.
     ///
     /// # Errors
-    /// No pixels, more than [`Self::MAX_PIXELS`], or a filter parameter out of its range.
+    /// A film or crop without pixels or with more than [`Self::MAX_PIXELS`], a crop that reaches beyond the film, or a filter
+    /// parameter out of its range.
     pub fn new(settings: &FilmSettings) -> Result<Self, ParamError> {
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
-        if pixels == 0 || pixels > Self::MAX_PIXELS {
+        let (whole, size) = ([settings.width, settings.height], settings.size());
+        let offset = settings.crop.map_or([0; 2], |crop| crop.offset);
+        let [pixels, all] = [size, whole].map(|[width, height]| u64::from(width) * u64::from(height));
+        if pixels == 0 || pixels > Self::MAX_PIXELS || all == 0 {
             return Err(ParamError::OutOfRange {
                 name: "the number of pixels",
-                value: f64::from(settings.width) * f64::from(settings.height),
+                value: pixels.min(all) as f64,
                 accepted: "1 to 268435456",
             });
         }
+        for axis in [0, 1] {
+            let end = u64::from(offset[axis]) + u64::from(size[axis]);
+            if end > u64::from(whole[axis]) {
+                let (name, accepted) = ("the end of the crop", "a rectangle of the film's pixels");
+                return Err(ParamError::OutOfRange { name, value: end as f64, accepted });
+            }
+        }
         Ok(Self {
-            width: settings.width,
-            height: settings.height,
+            width: size[0],
+            height: size[1],
+            offset,
+            whole,
             filter: FilterSampler::new(settings.filter)?,
             reconstruction: settings.reconstruction,
         })
     }
 
-    /// Where the point `u` of the pixel decision lands for `pixel`, and the weight of the sample there.
+    /// The pixel of the whole film that is the image's at column `x` and row `y`: a crop's samples are those of the whole film.
+    pub fn pixel(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        [x + self.offset[0], y + self.offset[1]]
+    }
+
+    /// The column and row of the image that a pixel of the whole film has.
+    pub fn in_image(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        [x - self.offset[0], y - self.offset[1]]
+    }
+
+    /// Where the point `u` of the pixel decision lands for `pixel` of the whole film, and the weight of the sample there.
     ///
-    /// Returns: the position in pixels from the upper left corner of the film, and w.
+    /// Returns: the position in pixels from the upper left corner of the whole film, and w.
     pub fn place(&self, pixel: [u32; 2], u: [f32; 2]) -> ([f64; 2], f32) {
         let [(x, wx), (y, wy)] = match self.reconstruction {
             Reconstruction::Importance => u.map(|u| self.filter.sample(u)),
@@ -103,10 +147,10 @@ impl Film {
         ([centre[0] + f64::from(x), centre[1] + f64::from(y)], wx * wy)
     }
 
-    /// A position in pixels as a point of the image, [−1, 1]², rightwards and downwards.
+    /// A position in pixels as a point of the whole film, [−1, 1]², rightwards and downwards.
     pub fn to_image(&self, position: [f64; 2]) -> [f32; 2] {
-        #[expect(clippy::cast_possible_truncation, reason = "points of the image are of order 1")]
+        #[expect(clippy::cast_possible_truncation, reason = "points of the film are of order 1")]
         let to_unit = |x: f64, size: u32| (2.0 * x / f64::from(size) - 1.0) as f32;
-        [to_unit(position[0], self.width), to_unit(position[1], self.height)]
+        [to_unit(position[0], self.whole[0]), to_unit(position[1], self.whole[1])]
     }
 }

@@ -111,7 +111,7 @@ impl<I: Integrator> Finish<'_, I> {
             |_| empty.range,
             &mut begun,
             |run| {
-                let groups = &mut groups[tile.place(run[0].id.pixel)];
+                let groups = &mut groups[tile.place(self.scene.film.in_image(run[0].id.pixel))];
                 for sample in run {
                     let (replicate, group) = group(sample);
                     let value = sample.weighted().to_array().map(f64::from);

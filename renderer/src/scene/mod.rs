@@ -76,7 +76,8 @@ impl Scene {
         let shutter = settings.shutter;
         let to_frame = -settings.to_world.at(shutter.open).translation;
         let film = Film::new(&description.film).map_err(refuse("film"))?;
-        let camera = Camera::new(settings, film.width, film.height, to_frame).map_err(refuse("sensor"))?;
+        let camera =
+            Camera::new(settings, film.whole[0], film.whole[1], to_frame).map_err(refuse("sensor"))?;
 
         let mut objects = Vec::new();
         let mut surfaces = Vec::new();

@@ -183,6 +183,7 @@ pub fn spot(
         film: FilmSettings {
             width: 1,
             height: 1,
+            crop: None,
             filter: Filter::PIXEL,
             reconstruction: Reconstruction::Importance,
         },

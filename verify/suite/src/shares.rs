@@ -1,6 +1,7 @@
 //! What random decisions do to the variance of an image: redraw one, keep the rest.
 
 use rayon::prelude::*;
+use renderer::film::Film;
 use renderer::integrator::{Batch, Integrator};
 use renderer::math::Rgb;
 use renderer::sampling::{Decision, DecisionSet, Independent, Redrawn, SampleId, Sampler, Vertex};
@@ -48,11 +49,11 @@ pub fn total_effects<I: Integrator>(
     seed: u64,
 ) -> Vec<f64> {
     let (kept, fresh) = (Independent::new(derive(seed, 0, 0)), Independent::new(derive(seed, 0, 1)));
-    let size = [scene.film.width, scene.film.height];
     let mut batch = Batch::default();
     let mut sums = vec![0.0; redraws.len()];
     for start in (0..samples).step_by(BATCH as usize) {
-        let ids: Vec<SampleId> = (start..samples.min(start + BATCH)).map(|i| place(&kept, size, i)).collect();
+        let ids: Vec<SampleId> =
+            (start..samples.min(start + BATCH)).map(|i| place(&kept, &scene.film, i)).collect();
         let before = values(scene, integrator, &kept, &ids, &mut batch);
         for (sum, &decisions) in sums.iter_mut().zip(redraws) {
             let redrawn = Redrawn::new(kept, fresh, decisions);
@@ -64,13 +65,13 @@ pub fn total_effects<I: Integrator>(
 }
 
 /// Sample `index`, in a pixel chosen by numbers of a vertex that no path has.
-fn place(sampler: &Independent, [width, height]: [u32; 2], index: u32) -> SampleId {
+fn place(sampler: &Independent, film: &Film, index: u32) -> SampleId {
     let nowhere = Vertex { bounce: u16::MAX, split: u16::MAX, branch: u32::MAX };
     let id = SampleId { pixel: [0, 0], replicate: 0, index };
     let [u, v] = sampler.draw_2d(id, nowhere, Decision::Pixel);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "u·n lies in [0, n)")]
     let at = |u: f32, n: u32| ((f64::from(u) * f64::from(n)) as u32).min(n - 1);
-    SampleId { pixel: [at(u, width), at(v, height)], ..id }
+    SampleId { pixel: film.pixel([at(u, film.width), at(v, film.height)]), ..id }
 }
 
 fn values<I: Integrator, S: Sampler>(

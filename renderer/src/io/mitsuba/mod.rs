@@ -4,7 +4,7 @@
 //!
 //! Accepted plugins, with Mitsuba's parameters unless a refusal says otherwise:
 //! - integrators `path`, `direct`, and our `distribution`;
-//! - sensors `perspective`, `thinlens`, `orthographic`, `irradiancemeter` in a shape; film `hdrfilm`; filters `box`, `tent`, `gaussian`, `mitchell`,
+//! - sensors `perspective`, `thinlens`, `orthographic`, `irradiancemeter` in a shape; film `hdrfilm`, whole or cropped; filters `box`, `tent`, `gaussian`, `mitchell`,
 //!   `catmullrom`, `lanczos`;
 //! - shapes `rectangle`, `disk`, `sphere`, `cylinder`, `cube`, `obj`, `ply`, `serialized`, `shapegroup`,
 //!   `instance`;

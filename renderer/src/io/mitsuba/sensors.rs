@@ -6,7 +6,7 @@ use super::transform;
 use crate::Error;
 use crate::camera::{Camera, CameraSettings, FovAxis, Opening, Projection, Shutter};
 use crate::film::filter::{Filter, FilterSampler};
-use crate::film::{FilmSettings, Reconstruction};
+use crate::film::{Crop, FilmSettings, Reconstruction};
 use crate::io::MAX_PIXELS;
 use crate::sampling::SamplerKind;
 use crate::scene::{ObjectSettings, SamplerSettings};
@@ -126,6 +126,7 @@ fn check_scale(object: &Object, camera: &CameraSettings) -> Result<(), Error> {
 const DEFAULT_FILM: FilmSettings = FilmSettings {
     width: 768,
     height: 576,
+    crop: None,
     filter: DEFAULT_FILTER,
     reconstruction: Reconstruction::Importance,
 };
@@ -136,17 +137,25 @@ fn film(context: &Context, index: usize) -> Result<FilmSettings, Error> {
     let object = Object::new(context, index)?;
     object.plugin(&["hdrfilm"])?;
     let side = |name, default| object.count(name, [1, u32::MAX], default);
+    let offset = |name, whole: u32| object.count(name, [0, whole.saturating_sub(1)], 0);
     let (width, height) = (side("width", DEFAULT_FILM.width)?, side("height", DEFAULT_FILM.height)?);
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        let message = format!("a film of {width} × {height} pixels; 1 to 2^28 pixels are accepted");
-        return Err(object.refuse_value("width", message));
+    let crop = Crop {
+        offset: [offset("crop_offset_x", width)?, offset("crop_offset_y", height)?],
+        size: [side("crop_width", width)?, side("crop_height", height)?],
+    };
+    let crop = (crop != Crop { offset: [0; 2], size: [width, height] }).then_some(crop);
+    let [columns, rows] = crop.map_or([width, height], |crop| crop.size);
+    if u64::from(columns) * u64::from(rows) > MAX_PIXELS {
+        let message = format!("a film of {columns} × {rows} pixels; 1 to 2^28 pixels are accepted");
+        return Err(object.refuse_value(if crop.is_some() { "crop_width" } else { "width" }, message));
     }
-    for name in ["crop_width", "crop_height", "crop_offset_x", "crop_offset_y"] {
-        if object.integer(name)?.is_some() {
-            return Err(object.refuse_value(
-                name,
-                format!("'{name}': cropping is not supported; whole films are accepted"),
-            ));
+    let Crop { offset: [x, y], size } = crop.unwrap_or(Crop { offset: [0; 2], size: [width, height] });
+    for (name, start, count, whole) in
+        [("crop_width", x, size[0], width), ("crop_height", y, size[1], height)]
+    {
+        if count > whole - start {
+            let message = format!("'{name}' is {count} from {start} on; 1 to {} is accepted", whole - start);
+            return Err(object.refuse_value(name, message));
         }
     }
     if object.choice("pixel_format", &[("rgb", false), ("rgba", true)], false)? {
@@ -168,7 +177,7 @@ fn film(context: &Context, index: usize) -> Result<FilmSettings, Error> {
         None => DEFAULT_FILTER,
     };
     object.finish()?;
-    Ok(FilmSettings { width, height, filter, reconstruction: Reconstruction::Importance })
+    Ok(FilmSettings { width, height, crop, filter, reconstruction: Reconstruction::Importance })
 }
 
 fn filter(context: &Context, index: usize) -> Result<Filter, Error> {

@@ -165,14 +165,12 @@ fn empty_part(
             range.start, range.end, settings.replicates, settings.samples, settings.samples
         )));
     }
-    let film = &description.film;
-    let part = Part::new([film.width, film.height], settings.replicates, [range.start, range.end]);
+    let [width, height] = description.film.size();
+    let part = Part::new([width, height], settings.replicates, [range.start, range.end]);
     let needed = part.bytes();
     match available_memory() {
         Some(available) if needed > available => Err(CliError::Arguments(format!(
-            "a film of {} × {} pixels in {} replicates needs {:.1} GiB, and {:.1} GiB are free",
-            film.width,
-            film.height,
+            "a film of {width} × {height} pixels in {} replicates needs {:.1} GiB, and {:.1} GiB are free",
             settings.replicates,
             needed as f64 / f64::from(1 << 30),
             available as f64 / f64::from(1 << 30)

@@ -212,6 +212,7 @@ static FILM: LazyLock<Film> = LazyLock::new(|| {
     let settings = FilmSettings {
         width: 100_000,
         height: 1,
+        crop: None,
         filter: Filter::PIXEL,
         reconstruction: Reconstruction::Importance,
     };
