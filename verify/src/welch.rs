@@ -194,6 +194,8 @@ impl Difference {
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::{ContinuousCDF, StudentsT};
+
     use super::*;
     use crate::seeds::uniform;
 
@@ -211,6 +213,24 @@ mod tests {
         // Nearly all of the error is A's: its degrees of freedom.
         assert!(evidence.dof.is_some_and(|dof| (63.0..67.0).contains(&dof)));
         assert!(CLAIM.control(&RUN, noisy(0.9), noisy(0.1)).unwrap().p_value < 1e-3);
+    }
+
+    #[test]
+    fn interval_and_resolution_are_those_of_welchs_t() {
+        let around = |mean: f64, deviation: f64| -> Vec<Replicate> {
+            (0..32).map(|i| (mean + if i % 2 == 0 { deviation } else { -deviation }).into()).collect()
+        };
+        let evidence = CLAIM.judge(&around(0.5, 0.1), &around(0.2, 0.3)).unwrap();
+        // Variances of the means: 0.1²·32/31/32 and 0.3²/31, with 31 degrees of freedom each; a unit is 0.5.
+        let (defect, error) = (0.3 / 0.5, (0.1f64 / 31.0).sqrt() / 0.5);
+        let dof = 31.0 * 0.1f64.powi(2) / (0.01f64.powi(2) + 0.09f64.powi(2));
+        let half = error * StudentsT::new(0.0, 1.0, dof).unwrap().inverse_cdf(1.0 - 0.5 * REJECTION_LEVEL);
+        let found = [evidence.dof.unwrap(), evidence.estimate, evidence.interval[0], evidence.interval[1]];
+        for (found, expected) in found.into_iter().zip([dof, defect, defect - half, defect + half]) {
+            assert!((found - expected).abs() < 1e-9 * expected, "{found} is not {expected}"); // inverse_cdf is exact to 1e-10
+        }
+        let shift = t_noncentrality(REJECTION_LEVEL, POWER, dof);
+        assert!((evidence.resolution.value / (shift * error) - 1.0).abs() < 1e-12); // rounding of sums, 1e-15, over 0.3
     }
 
     #[test]
