@@ -40,7 +40,7 @@ pub(super) fn claims() -> Vec<Claim> {
         from("irradiance/triangle/tilted", "a tilted triangle of a mesh", 256, triangle),
     ];
     list.extend(random::claims());
-    list.push(meter::claim_of_pixels());
+    list.extend(meter::claims());
     list.into_iter().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }
 

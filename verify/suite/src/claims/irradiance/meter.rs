@@ -29,16 +29,24 @@ const HALF: [f64; 2] = [0.6, 0.5];
 /// counts 1/p times where p meet it, with the variance 1/p − 1.
 const LAMP: ([f64; 2], [f64; 2], f64) = ([-0.8, 2.6], [-1.4, 1.8], 0.7);
 
-/// Samples a pixel and replicate, and replicates at effort 1.
-const WORK: (u32, u64) = (8192, 32);
+/// Replicates at effort 1.
+const REPLICATES: u64 = 32;
 
-pub(super) fn claim_of_pixels() -> Claim {
+pub(super) fn claims() -> [Claim; 2] {
+    [
+        pixels("irradiance/meter/quick", bounds::PIXEL_QUICK, 512).from_level(Level::Quick),
+        pixels("irradiance/meter/pixels", bounds::IRRADIANCE, 8192).from_level(Level::Standard),
+    ]
+}
+
+/// * `samples`: of a pixel and replicate.
+fn pixels(id: &str, bound: f64, samples: u32) -> Claim {
     let says =
         "pixels of an irradiance meter under a rectangle are the means of the closed form over their parts";
-    let right = Pixels::new();
+    let right = Pixels::new(bound, samples);
     let (control, flipped, radiance) = (right.clone(), right.clone(), right.clone());
-    claim("irradiance/meter/pixels", says)
-        .bound(bounds::IRRADIANCE)
+    claim(id, says)
+        .bound(bound)
         .rejects("2.2 × resolution", move |run| joint_control(&control.claims, run, &*control.measured))
         .rejects("axes exchanged", move |run| {
             joint_evidence(&flipped.claims, run, |k, seed| (flipped.measured)(1 - k, seed))
@@ -47,7 +55,6 @@ pub(super) fn claim_of_pixels() -> Claim {
             joint_evidence(&radiance.claims, run, |k, seed| (radiance.measured)(k, seed) / PI)
         })
         .by(move |run| joint_evidence(&right.claims, run, &*right.measured))
-        .from_level(Level::Standard)
 }
 
 /// What each pixel should be, and what it is in a replicate of that seed.
@@ -58,12 +65,11 @@ struct Pixels {
 }
 
 impl Pixels {
-    fn new() -> Self {
-        let (samples, replicates) = WORK;
+    fn new(bound: f64, samples: u32) -> Self {
         let of_pixel = |pixel| MeanClaim {
-            replicates,
+            replicates: REPLICATES,
             rounding: super::ROUNDING,
-            ..MeanClaim::relative(exact(pixel), bounds::IRRADIANCE)
+            ..MeanClaim::relative(exact(pixel), bound)
         };
         let scene = LazyLock::new(metered);
         let measured = move |k: usize, seed| {
