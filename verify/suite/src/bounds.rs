@@ -34,6 +34,9 @@ pub const ESTIMATORS: f64 = 0.002;
 /// Largest difference between the mean of a scene's image and Mitsuba's, in percent of it.
 pub const IMAGE_PERCENT: f64 = 0.5;
 
+/// Largest relative error of the bias that a comparison finds between images of known difference.
+pub const COMPARED_BIAS: f64 = 0.01;
+
 /// Largest RMS relative error over cells of the points on a light and of the directions of a lobe.
 ///
 /// 2.3e5 samples on 200 cells settle 3 %; their maps are built from those of `warp`, which are held to 1 %. 0.2 % over cells would take 225

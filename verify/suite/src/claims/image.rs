@@ -18,6 +18,8 @@ use crate::report::Gallery;
 use crate::setup::subject;
 use crate::side::Side;
 
+mod comparison;
+
 /// Each scene with what it shows, the samples a pixel, the bound in percent that they settle, and the first level.
 const SCENES: [(&str, &str, u32, f64, Level); 8] = [
     (
@@ -70,10 +72,10 @@ pub fn references() -> &'static Path {
 ///
 /// A reference is drawn once, so that the three runs of a failing claim share its error, which the comparison counts.
 pub(super) fn claims() -> Vec<Claim> {
-    SCENES
+    let images = SCENES
         .into_iter()
-        .map(|(name, shows, spp, bound, level)| against_mitsuba(name, shows, spp, bound).from_level(level))
-        .collect()
+        .map(|(name, shows, spp, bound, level)| against_mitsuba(name, shows, spp, bound).from_level(level));
+    images.chain([comparison::biases()]).collect()
 }
 
 fn against_mitsuba(name: &'static str, shows: &'static str, spp: u32, bound: f64) -> Claim {
