@@ -127,10 +127,9 @@ impl Part {
         Self { allocation: self.allocation.clone(), ..Self::new(self.size, self.replicates, self.range) }
     }
 
-    /// Whether another part is of the same samples.
-    pub fn is_of_samples(&self, other: &Self) -> bool {
-        (self.size, self.replicates, self.range, self.counts())
-            == (other.size, other.replicates, other.range, other.counts())
+    /// Whether another part is of the same film, replicates and range of samples.
+    pub fn is_of_ranges(&self, other: &Self) -> bool {
+        (self.size, self.replicates, self.range) == (other.size, other.replicates, other.range)
     }
 
     /// The indices of the samples of each replicate of a pixel, from the first to before the second.

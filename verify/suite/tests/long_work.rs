@@ -54,9 +54,37 @@ fn kill_after_checkpoint(mut child: Child, checkpoint: &Path, moment: Duration) 
 
 #[test]
 fn a_killed_render_goes_on_to_the_same_bits() {
-    let folder = empty("killed");
+    killed_and_resumed("killed", &["--spp", "600"]);
+}
+
+#[test]
+fn so_does_one_with_samples_by_error() {
+    killed_and_resumed("killed-allocated", &["--spp", "600", "--sampler", "sobol", "--allocate"]);
+    let folder = empty("other-samples");
+    let cut = path_in(&folder, "cut.exr");
+    let work = [
+        "render",
+        SCENE,
+        "--sampler",
+        "sobol",
+        "--spp",
+        "600",
+        "-D",
+        "res=100",
+        "-o",
+        &cut,
+        "--checkpoint",
+        "0",
+    ];
+    let child = lightproof(&work).spawn().expect("the program starts");
+    kill_after_checkpoint(child, &folder.join("cut.exr.checkpoint"), Duration::ZERO);
+    refused(&[&work[..], &["--resume", "--allocate"]].concat(), "it holds other samples");
+}
+
+fn killed_and_resumed(name: &str, work: &[&str]) {
+    let folder = empty(name);
     let (whole, cut) = (path_in(&folder, "whole.exr"), path_in(&folder, "cut.exr"));
-    let work = ["--spp", "600", "-D", "res=100", "--checkpoint", "0", "--resume"];
+    let work = [work, &["-D", "res=100", "--checkpoint", "0", "--resume"]].concat();
     let arguments = |output: &'static str| [&["render", SCENE, "-o"][..], &[output], &work].concat();
     succeed(&arguments(whole.clone().leak()));
 

@@ -127,8 +127,12 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     let integrator = PathTracer { settings: description.integrator };
     let bar = progress_bar();
     let start = std::time::Instant::now();
-    let part = if args.allocate { pilot::allocated(&scene, &integrator, &settings)? } else { part };
-    let part = if args.resume { checkpoint.resume(part)? } else { part };
+    let found = if args.resume { checkpoint.resume(&part, args.allocate)? } else { None };
+    let part = match found {
+        Some(found) => found,
+        None if args.allocate => pilot::allocated(&scene, &integrator, &settings)?,
+        None => part,
+    };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 1000 steps")]
     let watch = |part: &Part| {
         bar.set_position((part.share() * 1000.0) as u64);

@@ -30,20 +30,22 @@ impl Checkpoint {
         Self { path: name.into(), origin, interval, due: Mutex::new(Instant::now() + interval) }
     }
 
-    /// What an earlier run has finished of `wanted`; `wanted` as it is where there is no checkpoint.
-    pub(super) fn resume(&self, wanted: Part) -> Result<Part, CliError> {
+    /// What an earlier run has finished of `wanted`; `None` where there is no checkpoint.
+    ///
+    /// * `allocated`: whether pixels have numbers of samples of their own, which are those of the checkpoint.
+    pub(super) fn resume(&self, wanted: &Part, allocated: bool) -> Result<Option<Part>, CliError> {
         if !self.path.exists() {
-            return Ok(wanted);
+            return Ok(None);
         }
         let (origin, found) = part::read(&self.path)?;
         let other = |message| CliError::Sidecar { path: self.path.clone(), message };
         if let Some(difference) = origin.difference(&self.origin) {
             return Err(other(difference));
         }
-        if !found.is_of_samples(&wanted) {
+        if found.counts().is_some() != allocated || !found.is_of_ranges(wanted) {
             return Err(other("it holds other samples; those of the same options are accepted".into()));
         }
-        Ok(found)
+        Ok(Some(found))
     }
 
     /// Shows the error so far, and writes the checkpoint when it is time.
