@@ -19,6 +19,8 @@ pub const FEWEST_REPLICATES: u64 = 32;
 pub const CONTROL_FACTOR: f64 = 2.2;
 /// Probability that a replicate which normal theory explains is called an outlier.
 const OUTLIER_LEVEL: f64 = 1e-6;
+/// The expected number of events of which at most one is seen with probability 0.1 %: e^−λ·(1 + λ) = 1e-3.
+const MOST_FOR_ONE: f64 = 9.234;
 
 /// The claim that an estimator's mean is a known value.
 ///
@@ -257,7 +259,8 @@ impl MeanClaim {
     /// Reasons not to trust Student's t: one sample too heavy, or one replicate too far from the others.
     ///
     /// For normal replicates (x − m)²/Σ(x − m)²·R/(R − 1) has the beta distribution (½, (R − 2)/2) (Thompson 1935,
-    /// 10.1214/aoms/1177732567); the largest of R is an outlier at R·P < 1e-6.
+    /// 10.1214/aoms/1177732567); the largest of R is an outlier at R·P < 1e-6. It matters only where more like it could bring the defect
+    /// to the bound: one event in R replicates allows 9.23 at 99.9 % (Poisson).
     fn doubts(&self, replicates: &[Replicate]) -> Vec<String> {
         let estimate = Estimate::of(replicates);
         let mut doubts: Vec<String> = estimate.doubt().into_iter().collect();
@@ -265,7 +268,8 @@ impl MeanClaim {
         let squares = count * (count - 1.0) * estimate.standard_error.powi(2);
         let farthest = replicates.iter().map(|r| (r.mean - estimate.mean).abs()).fold(0.0, f64::max);
         let share = (farthest * farthest / squares * count / (count - 1.0)).min(1.0);
-        if farthest <= self.rounding * self.unit {
+        let with_more = (estimate.mean - self.exact).abs() + (MOST_FOR_ONE - 1.0) * farthest / count;
+        if farthest <= self.rounding * self.unit || with_more <= self.bound * self.unit {
             return doubts;
         }
         if Beta::new(0.5, 0.5 * (count - 2.0)).is_ok_and(|beta| count * beta.sf(share) < OUTLIER_LEVEL) {
@@ -344,6 +348,20 @@ mod tests {
         });
         // Exactly one of 32 is heavy with probability 0.37; 50 runs show at least 3 but for P < 1e-6.
         assert!(found.count() >= 3);
+    }
+
+    #[test]
+    fn rare_events_that_are_too_small_for_the_bound_raise_none() {
+        // One of 4096 samples in a replicate of 64, as a direction on the horizon that is dropped; ten such would be 7.6e-5.
+        let event = 1.0 / 4096.0;
+        let claim = MeanClaim::in_units_of(1.0, event / 64.0, 0.002);
+        let rare = |seed| if uniform(seed, 0) < 1.0 / 64.0 { event } else { 0.0 };
+        let tight = MeanClaim { bound: 3e-5, ..claim };
+        let doubts =
+            |claim: &MeanClaim, seed| claim.evidence(&Run { seed, effort: 1 }, rare).unwrap().doubts.len();
+        assert!((0..50).all(|seed| doubts(&claim, seed) == 0));
+        // Exactly one of 32 is rare with probability 0.31: at least 2 of 50 but for P < 1e-6.
+        assert!((0..50).filter(|&seed| doubts(&tight, seed) > 0).count() >= 2);
     }
 
     #[test]

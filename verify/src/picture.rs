@@ -185,6 +185,26 @@ mod tests {
     }
 
     #[test]
+    fn all_of_the_picture_is_in_its_frame() {
+        let text = svg("my disk", "cargo test my_disk", &evidence(vec![cells()])).expect("there are cells");
+        let value = |element: &str, name: &str| -> f64 {
+            let (_, rest) = element.split_once(&format!(" {name}=\"")).expect("the element has it");
+            rest.split('"').next().and_then(|number| number.parse().ok()).expect("it is a number")
+        };
+        let mut elements =
+            text.split('<').filter(|element| element.contains("width=") || element.contains(" y="));
+        let frame = elements.next().expect("the svg comes first");
+        let [width, height] = ["width", "height"].map(|name| value(frame, name));
+        for element in elements.filter(|element| element.contains(" y=")) {
+            let is_cell = element.starts_with("rect");
+            let [w, h] = ["width", "height"].map(|name| if is_cell { value(element, name) } else { 0.0 });
+            let (x, y) = (value(element, "x"), value(element, "y"));
+            // Numbers are written to a hundredth of a pixel.
+            assert!(x >= 0.0 && y >= 0.0 && x + w <= width + 0.01 && y + h <= height + 0.01, "{element}");
+        }
+    }
+
+    #[test]
     fn scales_have_their_ends_and_middle() {
         assert_eq!(colour(&DIVERGING, 0.5), DIVERGING[1]);
         assert_eq!((colour(&SEQUENTIAL, -1.0), colour(&SEQUENTIAL, 7.0)), (SEQUENTIAL[0], SEQUENTIAL[2]));

@@ -236,6 +236,22 @@ mod tests {
         }
 
         #[test]
+        fn a_cone_around_two_has_their_rims(
+            axes in prop::array::uniform2(prop::array::uniform3(-1.0..1.0_f32)), angles in prop::array::uniform2(0.0..1.5_f32),
+            turn in 0.0..6.3_f32,
+        ) {
+            let axes = axes.map(|axis| Vec3::from(axis).try_normalize().unwrap_or(Vec3::Z));
+            let [a, b] = [0, 1].map(|k| (axes[k], angles[k].cos()));
+            let (axis, cos) = cones([a, b]);
+            for (k, v) in axes.into_iter().enumerate() {
+                let (x, y) = v.any_orthonormal_pair();
+                let rim = angles[k].cos() * v + angles[k].sin() * (turn.cos() * x + turn.sin() * y);
+                // The cone is 1e-3 wider than it need be; arc cosines near 1 are off by √ε = 3e-4.
+                prop_assert!(axis.dot(rim) >= cos, "{} < {cos}", axis.dot(rim));
+            }
+        }
+
+        #[test]
         fn no_normal_of_a_node_is_outside_its_bound(lights in lights(), from in prop::array::uniform3(-4.0..4.0_f32)) {
             let from = Vec3::from(from);
             let whole = lights.iter().skip(1).fold(lights[0], |a, b| a.union(b));
