@@ -5,7 +5,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use verify::chi_square::ChiSquare;
-use verify::domain::{Directions, Disk, Triangle};
+use verify::claim::Evidence;
+use verify::domain::{Directions, Disk, Domain, Triangle};
+use verify::error::InputError;
 use verify::points::fill;
 
 const SAMPLES: u64 = 1_000_000;
@@ -33,6 +35,18 @@ fn numbers(index: u64) -> [f64; 2] {
     u
 }
 
+/// The whole test of a sampler. Its expectations are integrated anew, from a density not known to be constant.
+fn test<D: Domain>(
+    domain: D,
+    density: impl Fn(D::Point) -> f64 + Send + Sync + 'static,
+    sampler: impl Fn([f64; 2]) -> D::Point,
+) -> Result<Evidence, InputError> {
+    let target = ChiSquare::on(domain).density(density);
+    let mut histogram = target.histogram();
+    (0..SAMPLES).for_each(|i| target.add(&mut histogram, sampler(numbers(i))));
+    target.judge(&histogram, 0.02)
+}
+
 fn chi_square(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("chi-square of a million samples");
     group.sample_size(10);
@@ -44,31 +58,15 @@ fn chi_square(criterion: &mut Criterion) {
             bench.iter(|| (0..SAMPLES).map(|i| warp(numbers(i))).fold(0.0, |sum, [x, y]| sum + x * y));
         });
     }
+    let corner = || Triangle::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).expect("not degenerate");
     group.bench_function("triangle", |bench| {
-        bench.iter(|| {
-            // The expectations are integrated anew each time, from a density that the test does not know to be constant.
-            let domain = Triangle::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).expect("not degenerate");
-            let target = ChiSquare::on(domain).density(|p| black_box(p)[0].mul_add(0.0, 2.0));
-            let mut histogram = target.histogram();
-            (0..SAMPLES).for_each(|i| target.add(&mut histogram, triangle(numbers(i))));
-            target.judge(&histogram, 0.02)
-        });
+        bench.iter(|| test(corner(), |p| black_box(p)[0].mul_add(0.0, 2.0), triangle));
     });
     group.bench_function("disk", |bench| {
-        bench.iter(|| {
-            let target = ChiSquare::on(Disk::unit()).density(|p| black_box(p)[0].mul_add(0.0, 1.0 / PI));
-            let mut histogram = target.histogram();
-            (0..SAMPLES).for_each(|i| target.add(&mut histogram, disk(numbers(i))));
-            target.judge(&histogram, 0.02)
-        });
+        bench.iter(|| test(Disk::unit(), |p| black_box(p)[0].mul_add(0.0, 1.0 / PI), disk));
     });
     group.bench_function("cosine lobe", |bench| {
-        bench.iter(|| {
-            let target = ChiSquare::on(Directions::hemisphere()).density(|[_, _, z]| black_box(z) / PI);
-            let mut histogram = target.histogram();
-            (0..SAMPLES).for_each(|i| target.add(&mut histogram, lobe(numbers(i))));
-            target.judge(&histogram, 0.02)
-        });
+        bench.iter(|| test(Directions::hemisphere(), |[_, _, z]| black_box(z) / PI, lobe));
     });
     group.finish();
 }

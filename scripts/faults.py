@@ -115,12 +115,12 @@ class Workshop:
             raise Unplantable("the build failed:\n" + "\n".join(done.stderr.splitlines()[-30:]))
         return self.target / "release" / "lightproof"
 
-    def verify(self, program, level, patterns):
-        """The claims that do not hold, as a list of {"claim", "level", "n", "seconds"}."""
+    def verify(self, program, level, patterns, patience=None):
+        """The claims that do not hold, as a list of {"claim", "level", "n", "seconds"}; `patience` in seconds."""
         report = self.target / "report"
         only = [word for pattern in patterns for word in ("--only", pattern)]
         command = [str(program), "verify", "--level", level, "--threads", "1", "--report", str(report), *only]
-        done = subprocess.run(command, cwd=self.copy, capture_output=True, text=True)
+        done = subprocess.run(command, cwd=self.copy, capture_output=True, text=True, timeout=patience)
         if done.returncode not in (0, 1) and "could not run" not in done.stderr:
             raise Unplantable(f"{' '.join(command)}\n{done.stderr}")
         return detections(json.loads((report / "report.json").read_text(encoding="utf-8")), level)

@@ -27,7 +27,7 @@ TABLE = ROOT / "references" / "mutants.json"
 SOURCES = [*(f"renderer/src/{part}/**/*.rs" for part in ("sampling", "materials", "lights", "camera", "film", "shapes")),
            "verify/src/**/*.rs"]
 GOAL = 0.85
-# Seconds after which a mutant's tests are taken for endless: 10 times what they take when nothing is wrong.
+# Seconds after which a mutant's tests or claims are taken for endless: 10 times what they take when nothing is wrong.
 PATIENCE = 600
 
 
@@ -90,8 +90,12 @@ def passes(workshop, words):
 
 
 def claims_that_fail(workshop):
-    """The claims of the quick level that notice something, at most three by name."""
-    found = workshop.verify(workshop.build(), "quick", [])
+    """The claims of the quick level that notice something, at most three by name; a program that breaks off or never ends too."""
+    program = workshop.build()
+    try:
+        found = workshop.verify(program, "quick", [], PATIENCE)
+    except (Unplantable, subprocess.TimeoutExpired):
+        return "the program, which broke off"
     return ", ".join(one["claim"] for one in found[:3])
 
 
@@ -146,7 +150,7 @@ def try_all(sample, rows, options):
     table = {"commit": commit(), "command": f"python scripts/mutants.py --count {options.count} --seed {options.seed}"}
     with ThreadPoolExecutor(options.jobs) as pool:
         while wanted and (missing := options.count - score(rows)["viable"]) > 0:
-            for row in pool.map(one, [wanted.pop(0) for _ in range(min(missing, len(wanted), 2 * options.jobs))]):
+            for row in pool.map(one, [wanted.pop(0) for _ in range(min(missing, len(wanted), 12 * options.jobs))]):
                 rows.append(row)
                 print(f'{row["name"]}: ' + ((row["caught_by"] or "MISSED") if row["viable"] else "not viable"),
                       file=sys.stderr, flush=True)

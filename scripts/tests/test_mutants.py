@@ -1,3 +1,5 @@
+import subprocess
+
 import pytest
 
 import mutants
@@ -18,8 +20,12 @@ class Shop:
     def build(self):
         return "program"
 
-    def verify(self, program, level, patterns):
+    def verify(self, program, level, patterns, patience):
         self.asked.append(level)
+        if "a panic" in self.failing:
+            raise Unplantable("status 101")
+        if "an endless loop" in self.failing:
+            raise subprocess.TimeoutExpired("lightproof", patience)
         assert (self.copy / "a.rs").read_text(encoding="utf-8") == TEXT.replace("+", "-")
         return [{"claim": "a/b/c"}] if level in self.failing else []
 
@@ -38,6 +44,8 @@ def test_a_mutant_replaces_its_span():
 
 @pytest.mark.parametrize("failing, found, asked", [
     (["--lib", "quick"], "unit tests", []), (["quick"], "a/b/c", ["quick"]),
+    (["a panic"], "the program, which broke off", ["quick"]),
+    (["an endless loop"], "the program, which broke off", ["quick"]),
     (["--tests"], "tests of the crate", ["quick"]), ([], None, ["quick"])])
 def test_the_first_that_fails_catches(monkeypatch, tmp_path, failing, found, asked):
     assert examined(monkeypatch, tmp_path, failing) == (found, asked)

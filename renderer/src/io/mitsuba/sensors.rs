@@ -139,20 +139,17 @@ fn film(context: &Context, index: usize) -> Result<FilmSettings, Error> {
     let side = |name, default| object.count(name, [1, u32::MAX], default);
     let offset = |name, whole: u32| object.count(name, [0, whole.saturating_sub(1)], 0);
     let (width, height) = (side("width", DEFAULT_FILM.width)?, side("height", DEFAULT_FILM.height)?);
-    let crop = Crop {
+    let window = Crop {
         offset: [offset("crop_offset_x", width)?, offset("crop_offset_y", height)?],
         size: [side("crop_width", width)?, side("crop_height", height)?],
     };
-    let crop = (crop != Crop { offset: [0; 2], size: [width, height] }).then_some(crop);
-    let [columns, rows] = crop.map_or([width, height], |crop| crop.size);
+    let crop = (window != Crop { offset: [0; 2], size: [width, height] }).then_some(window);
+    let Crop { offset: [x, y], size: [columns, rows] } = window;
     if u64::from(columns) * u64::from(rows) > MAX_PIXELS {
         let message = format!("a film of {columns} × {rows} pixels; 1 to 2^28 pixels are accepted");
         return Err(object.refuse_value(if crop.is_some() { "crop_width" } else { "width" }, message));
     }
-    let Crop { offset: [x, y], size } = crop.unwrap_or(Crop { offset: [0; 2], size: [width, height] });
-    for (name, start, count, whole) in
-        [("crop_width", x, size[0], width), ("crop_height", y, size[1], height)]
-    {
+    for (name, start, count, whole) in [("crop_width", x, columns, width), ("crop_height", y, rows, height)] {
         if count > whole - start {
             let message = format!("'{name}' is {count} from {start} on; 1 to {} is accepted", whole - start);
             return Err(object.refuse_value(name, message));

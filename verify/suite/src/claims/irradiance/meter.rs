@@ -29,12 +29,9 @@ const HALF: [f64; 2] = [0.6, 0.5];
 /// counts 1/p times where p meet it, with the variance 1/p − 1.
 const LAMP: ([f64; 2], [f64; 2], f64) = ([-0.8, 2.6], [-1.4, 1.8], 0.7);
 
-/// Replicates at effort 1.
-const REPLICATES: u64 = 32;
-
 pub(super) fn claims() -> [Claim; 2] {
     [
-        pixels("irradiance/meter/quick", bounds::PIXEL_QUICK, 512).from_level(Level::Quick),
+        pixels("irradiance/meter/quick", bounds::PIXEL_QUICK, 512),
         pixels("irradiance/meter/pixels", bounds::IRRADIANCE, 8192).from_level(Level::Standard),
     ]
 }
@@ -66,11 +63,8 @@ struct Pixels {
 
 impl Pixels {
     fn new(bound: f64, samples: u32) -> Self {
-        let of_pixel = |pixel| MeanClaim {
-            replicates: REPLICATES,
-            rounding: super::ROUNDING,
-            ..MeanClaim::relative(exact(pixel), bound)
-        };
+        let of_pixel =
+            |pixel| MeanClaim { rounding: super::ROUNDING, ..MeanClaim::relative(exact(pixel), bound) };
         let scene = LazyLock::new(metered);
         let measured = move |k: usize, seed| {
             let [column, row] = PIXELS[k];
