@@ -3,6 +3,7 @@
     python scripts/faults.py                                   # every fault of verify/suite/faults/*.toml
     python scripts/faults.py --only disk-without-root --first  # one fault, up to the first claims that catch it
     python scripts/faults.py --json matrix.json --svg matrix.svg --catalogue mine.toml
+    python scripts/faults.py --json matrix.json --keep         # only faults that no commit's row is there of
 
 Each fault is planted in a copy of the last commit, built, and held first against its subject's claims, then against all
 of them at the quick level; where nothing caught it, against its subject's at the standard level, and where these don't
@@ -12,6 +13,7 @@ against all. Two at a time. A text that is not there exactly once is an error. S
 import argparse
 import json
 import queue
+import resource
 import shutil
 import subprocess
 import sys
@@ -21,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from tables import ROOT, commit, of_this_commit, write
+from tables import ROOT, commit, write
 
 CATALOGUE = ROOT / "verify" / "suite" / "faults"
 CLASSES = ["sample, pdf and eval disagree", "wrong measure", "index overflow", "correlated decisions",
@@ -31,6 +33,11 @@ LEVELS = ["quick", "standard"]
 PLANTED = [word for setting in ("incremental=true", "package.renderer.codegen-units=256", "package.renderer.debug=false",
                                 "package.verify.debug=false", "package.lightproof.debug=false")
            for word in ("--config", f"profile.release.{setting}")]
+
+# Bytes that a wrong program may take before it is broken off; the right one takes less than a tenth.
+MEMORY = 6 << 30
+PANIC = 101
+BROKEN_OFF = "(the program breaks off)"
 
 
 class Unplantable(Exception):
@@ -98,6 +105,11 @@ def plant(root, fault):
     return text
 
 
+def limit_memory():
+    """Called in the process to be: paths without end need memory without end."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
 @dataclass(frozen=True)
 class Workshop:
     """A copy of the sources and a folder for what is built from them."""
@@ -120,7 +132,10 @@ class Workshop:
         report = self.target / "report"
         only = [word for pattern in patterns for word in ("--only", pattern)]
         command = [str(program), "verify", "--level", level, "--threads", "1", "--report", str(report), *only]
-        done = subprocess.run(command, cwd=self.copy, capture_output=True, text=True, timeout=patience)
+        done = subprocess.run(command, cwd=self.copy, capture_output=True, text=True, timeout=patience,
+                              preexec_fn=limit_memory)
+        if done.returncode < 0 or done.returncode == PANIC:
+            return [{"claim": BROKEN_OFF, "level": level, "n": 0, "seconds": 0.0}]
         if done.returncode not in (0, 1) and "could not run" not in done.stderr:
             raise Unplantable(f"{' '.join(command)}\n{done.stderr}")
         return detections(json.loads((report / "report.json").read_text(encoding="utf-8")), level)
@@ -198,21 +213,23 @@ def workshops(scratch, count):
 
 
 def known(options):
-    """The rows of an earlier run on this commit, by fault: what a run that was cut off has found."""
-    matrix = of_this_commit(options.json) if options.json else None
-    return {row["id"]: row for row in matrix["faults"]} if matrix else {}
+    """The rows of an earlier run, by fault: what one that was cut off has found on this commit; with --keep on any."""
+    if not (options.json and options.json.exists()):
+        return {}
+    rows = json.loads(options.json.read_text(encoding="utf-8"))["faults"]
+    return {row["id"]: row for row in rows if options.keep or row["commit"] == commit()}
 
 
 def examine_all(faults, options):
     """The matrix: every fault's row, in the order of the catalogue; written after each fault."""
-    rows = known(options)
+    rows, at = known(options), commit()
     wanted = [fault for fault in faults if fault.id not in rows]
     benches = workshops(options.scratch, min(options.jobs, len(wanted)))
 
     def one(fault):
         workshop = benches.get()
         try:
-            result = examine(fault, workshop, options.first)
+            result = {**examine(fault, workshop, options.first), "commit": at}
         finally:
             benches.put(workshop)
         caught = result["caught_by"]
@@ -220,7 +237,7 @@ def examine_all(faults, options):
         print(f"{fault.id:28} {word}", file=sys.stderr, flush=True)
         return result
 
-    matrix = {"commit": commit(), "faults": [rows[fault.id] for fault in faults if fault.id in rows]}
+    matrix = {"commit": at, "faults": [rows[fault.id] for fault in faults if fault.id in rows]}
     with ThreadPoolExecutor(options.jobs) as pool:
         try:
             for future in as_completed([pool.submit(one, fault) for fault in wanted]):
@@ -243,7 +260,7 @@ def svg(matrix):
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" '
              f'font-size="8"><rect width="100%" height="100%" fill="white"/>',
              f'<text x="8" y="16" font-size="12">{len(rows)} faults against {len(claims)} claims; commit '
-             f'{escape(matrix["commit"][:12])}; dark: caught within 0.1 s, pale: more</text>']
+             f'{" and ".join(sorted({row["commit"][:12] for row in rows}))}; dark: caught within 0.1 s, pale: more</text>']
     for x, claim in enumerate(claims):
         at = left + cell * x + 7
         parts.append(f'<text transform="translate({at},{top - 4}) rotate(-60)">{escape(claim)}</text>')
@@ -266,6 +283,7 @@ def arguments():
     parser.add_argument("--first", action="store_true", help="stop at the subject's claims where they catch a fault")
     parser.add_argument("--catalogue", type=Path, metavar="FILE.toml", help="faults from elsewhere")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the matrix; faults that it has for this commit are not run again")
+    parser.add_argument("--keep", action="store_true", help="keep the rows of earlier commits too; each says its own")
     parser.add_argument("--svg", type=Path, metavar="FILE", help="draw the matrix")
     parser.add_argument("--scratch", type=Path, default=ROOT / "target" / "faults", metavar="DIR",
                         help="for the copies and what is built (default: target/faults)")

@@ -33,7 +33,7 @@ fn object(
     material: Arc<Material>,
     radiance: f32,
 ) -> ObjectSettings {
-    let radiance = Rgb::splat(radiance);
+    let radiance = Rgb::splat(radiance).into();
     ObjectSettings { name: name.into(), shape, to_world, flip_normals: false, material, radiance }
 }
 
@@ -196,6 +196,24 @@ fn with_everything() -> SceneDescription {
     description.film.filter = Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 };
     description.lights.push(LightSettings::Constant { radiance: Rgb::splat(0.2) });
     description
+}
+
+#[test]
+fn forks_end_where_panes_squeeze_light_again_and_again() {
+    // Each of 40 panes is seen from its glass, as if nothing brought the light back in between: radiance grows by 1.5² at each.
+    // Were forks to follow it, 2⁴⁰ paths would come of a sample.
+    let glass = Arc::new(Material::new_dielectric(1.5, Rgb::WHITE.into(), Rgb::WHITE.into()).unwrap());
+    let pane = |i: u8| {
+        let place = DAffine3::from_translation(DVec3::new(0.0, 0.0, f64::from(i)))
+            * DAffine3::from_scale(DVec3::splat(50.0));
+        object("pane", ShapeSettings::Rectangle, at(place), glass.clone(), 0.0)
+    };
+    let integrator =
+        IntegratorSettings { branch: Branch::Both, max_depth: Some(60), ..IntegratorSettings::PATH };
+    let mut description = scene_of((1..41).map(pane).collect(), integrator);
+    description.lights.push(LightSettings::Constant { radiance: Rgb::splat(0.2) });
+    let [mean, _] = pooled(&run(&description, SamplerKind::Independent, 0));
+    assert!(mean > 0.2, "{mean}");
 }
 
 #[test]

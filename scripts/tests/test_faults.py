@@ -68,11 +68,31 @@ def test_everything_that_does_not_hold_is_a_detection():
     assert [one["claim"] for one in faults.detections(report, "quick")] == ["a/b/c", "a/b/d", "a/b/f"]
 
 
+@pytest.mark.parametrize("keep, kept", [(True, {"one", "two"}), (False, {"one"})])
+def test_rows_of_earlier_commits_are_kept_where_asked_for(tmp_path, keep, kept):
+    path = tmp_path / "matrix.json"
+    rows = [{"id": "one", "commit": faults.commit()}, {"id": "two", "commit": "0123"}]
+    path.write_text(json.dumps({"commit": "0123", "faults": rows}), encoding="utf-8")
+    options = type("Options", (), {"json": path, "keep": keep})
+    assert set(faults.known(options)) == kept
+    options.json = tmp_path / "none.json"
+    assert faults.known(options) == {}
+
+
+@pytest.mark.parametrize("script", ["kill -ABRT $$", "exit 101", "python3 -c 'bytearray(7 << 30)' || kill -ABRT $$"])
+def test_a_program_that_breaks_off_is_noticed(tmp_path, script):
+    program = tmp_path / "program"
+    program.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    program.chmod(0o755)
+    [found] = faults.Workshop(tmp_path, tmp_path).verify(program, "quick", [])
+    assert found["claim"] == faults.BROKEN_OFF
+
+
 def test_the_matrix_has_a_mark_for_each_detection(tmp_path):
     [fault] = catalogue(tmp_path, ENTRY)
     found = [{"claim": "warp/a/b", "level": "quick", "n": 10, "seconds": 0.05},
              {"claim": "warp/c/d", "level": "standard", "n": 20, "seconds": 3.0}]
-    matrix = {"commit": "0123456789abcdef", "faults": [faults.row(fault, found)]}
+    matrix = {"commit": "0123456789abcdef", "faults": [{**faults.row(fault, found), "commit": "0123456789abcdef"}]}
     assert (matrix["faults"][0]["n"], matrix["faults"][0]["seconds"]) == (10, 0.05)
     picture = ElementTree.fromstring(faults.svg(json.loads(json.dumps(matrix))))
     titles = [node.text for node in picture.iter("{http://www.w3.org/2000/svg}title")]

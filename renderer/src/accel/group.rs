@@ -13,7 +13,7 @@ use super::memory::Array;
 use super::node::{Bounds32, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
 use super::packet::{Packet, RAYS, Waiting};
-use super::walk::{Entry, Mode, Search, Tree, Walker, walk};
+use super::walk::{Entry, Found, Mode, Search, Tree, Walker, walk};
 use crate::math::bounds::Bounds;
 use crate::ray::{Hit, Ray};
 use crate::shapes::{Shape, ShapeHit};
@@ -299,13 +299,14 @@ impl Group {
     }
 
     /// The hit of an item that isn't a triangle at rest.
-    pub(super) fn other(&self, index: usize, ray: &Ray, context: &mut Context) -> Option<Hit> {
+    #[inline]
+    pub(super) fn other(&self, index: usize, ray: &Ray, context: &mut Context) -> Option<Found> {
         let [id, element] = self.ids.as_slice()[index];
         let object = &context.objects[id as usize];
         if object.motion.is_some() && !self.is_inner {
-            return context.object(id, ray);
+            return context.object(id, ray).map(Found::Named);
         }
-        object.shape.intersect(element, ray).map(|hit| self.hit(index, hit))
+        object.shape.intersect(element, ray).map(|hit| Found::Item(index, hit))
     }
 }
 

@@ -88,7 +88,7 @@ pub(super) struct Search {
 
 /// A hit whose names are looked up only if they matter.
 #[derive(Debug, Clone, Copy)]
-enum Found {
+pub(super) enum Found {
     /// A hit on the item of that index in the group.
     Item(usize, ShapeHit),
     /// A hit in an object's own group.
@@ -151,7 +151,7 @@ impl Search {
                     let sheared = self.sheared.get_or_insert_with(|| ShearedRay::new(&self.ray));
                     sheared.hit(&vertices, self.ray.t_max).map(|hit| Found::Item(index, hit))
                 }
-                None => tree.group.other(index, &self.ray, context).map(Found::Named),
+                None => tree.group.other(index, &self.ray, context),
             };
             if let Some(hit) = hit {
                 if M::ANY {

@@ -12,7 +12,8 @@ use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
 use crate::scene::{Branch, Effect, Meter, Scene, Strategy};
 
-/// Weight below which a path no longer forks.
+/// Share of its sample's light below which a path no longer forks: one that shrinks by each fork and never grows, so that a
+/// sample has at most 64 paths.
 const FORK_MIN: f32 = 1.0 / 64.0;
 
 /// The stages from the film to the camera's rays, as far as the scene calls for them.
@@ -116,8 +117,8 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
             let path = batch.paths[*path as usize];
             let pmf = scene.lights.pmf(index, path.ray.origin);
             let pdf = pmf * light.pdf(&scene.accel, &path.ray, hit, ng);
-            batch
-                .add(path.sample, path.throughput * light.radiance() * found_weight(strategy, path.pdf, pdf));
+            let weight = found_weight(strategy, path.pdf, pdf);
+            batch.add(path.sample, path.throughput * light.radiance_at(interaction.surface.uv) * weight);
         }
     }
     let Some(light) = scene.lights.background() else { return };
@@ -315,7 +316,8 @@ impl<S: Sampler> Bounce<'_, S> {
             return;
         }
         let reflected = bsdf.branch_probability_fresnel(wo);
-        let can_fork = self.path.throughput.max_component() * reflected.min(1.0 - reflected) >= FORK_MIN;
+        let share = self.path.throughput.max_component() * self.path.eta_scale;
+        let can_fork = share * reflected.min(1.0 - reflected) >= FORK_MIN;
         match branch {
             Branch::Both if can_fork => {
                 for (child, which) in [(1, MaterialBranch::Reflect), (2, MaterialBranch::Refract)] {

@@ -9,6 +9,7 @@ use crate::math::Rgb;
 use crate::math::float::round_f32;
 use crate::ray::{Hit, Ray};
 use crate::shapes::{Rectangle, Shape};
+use crate::texture::Texture;
 
 /// How points on a shape that emits are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,13 +35,13 @@ impl LightSampling {
 /// 1.2 at 3.5 and at 9.4, where less variance no longer pays for the longer map.
 const NEAR: f32 = 2.5;
 
-/// A shape that emits the same radiance in every direction from the side of its normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A shape whose points emit the same radiance in every direction from the side of its normal.
+#[derive(Debug, Clone, PartialEq)]
 pub struct AreaLight {
     /// Index of the shape.
     pub object: u32,
-    /// Radiance [W m⁻² sr⁻¹].
-    pub radiance: Rgb,
+    /// Radiance [W m⁻² sr⁻¹] by surface coordinates.
+    pub radiance: Texture,
     /// Whether its points are uniform in the solid angle wherever it is near.
     even: bool,
     middle: Vec3,
@@ -50,7 +51,7 @@ pub struct AreaLight {
 
 impl AreaLight {
     /// The light that `shape`, the object of index `object`, is.
-    pub fn new(object: u32, shape: &Object, radiance: Rgb, sampling: LightSampling) -> Self {
+    pub fn new(object: u32, shape: &Object, radiance: Texture, sampling: LightSampling) -> Self {
         let bounds = shape.bounds([0.0; 2]);
         let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
         let near = match (sampling, &shape.shape) {
@@ -75,12 +76,12 @@ impl AreaLight {
         (from - self.middle).length_squared() < self.near
     }
 
-    /// A point on the light for `u` in [0, 1)², as seen from `from`.
+    /// A point on the light for `u` in [0, 1)², as seen from `from`; where it lies does not depend on the radiance there.
     ///
     /// By solid angle its density is 1 / Ω. By area it is, with the distance d and the cosine at the light cos θ',
     /// d² / (A·cos θ'), so that L / pdf = L·A·cos θ' / d².
     ///
-    /// Returns: `None` where the light sends nothing this way.
+    /// Returns: `None` where the light's point sends nothing this way.
     ///
     /// # Measure
     /// per steradian at `from`.
@@ -92,17 +93,11 @@ impl AreaLight {
         let object = &accel.objects()[self.object as usize];
         let eye = from.surface.point;
         let by_angle = if self.is_near(eye) { object.sample_solid_angle(eye, u) } else { None };
-        let (is_seen, sample) = match by_angle {
-            Some((target, pdf)) => {
-                let (is_seen, sample) = self.at(&target, 0.0, &from.surface, from.time);
-                (is_seen, LightSample { pdf, ..sample })
-            }
-            None => {
-                let (target, pdf_area) = object.sample_area(u, from.time);
-                self.at(&target, pdf_area, &from.surface, from.time)
-            }
-        };
-        is_seen.then_some(sample)
+        let (target, pdf_area) = by_angle.unwrap_or_else(|| object.sample_area(u, from.time));
+        let radiance = self.radiance.eval(target.uv);
+        let (is_seen, sample) = seen(&target, radiance, pdf_area, &from.surface, from.time);
+        let pdf = by_angle.map_or(sample.pdf, |(_, pdf)| pdf);
+        (is_seen && !radiance.is_black()).then_some(LightSample { pdf, ..sample })
     }
 
     /// What [`Self::sample`] gives for each of `from` and its point of `u`, appended to `out`.
@@ -114,10 +109,12 @@ impl AreaLight {
         out: &mut Vec<Option<LightSample>>,
     ) {
         let object = &accel.objects()[self.object as usize];
-        match &object.shape {
-            Shape::Rectangle(rectangle) if object.motion.is_none() && from.len() >= 8 => {
+        match (&object.shape, &self.radiance) {
+            (Shape::Rectangle(rectangle), Texture::Constant(radiance))
+                if object.motion.is_none() && from.len() >= 8 =>
+            {
                 let first = out.len();
-                self.sample_rectangle(rectangle, from, u, out);
+                sample_rectangle(rectangle, *radiance, from, u, out);
                 for (out, (from, u)) in out[first..].iter_mut().zip(from.iter().zip(u)) {
                     if self.is_near(from.surface.point) {
                         *out = self.sample(accel, from, *u);
@@ -126,53 +123,6 @@ impl AreaLight {
             }
             _ => out.extend(from.iter().zip(u).map(|(from, u)| self.sample(accel, from, *u))),
         }
-    }
-
-    /// By area, many at once: the loop over lanes becomes one of vectors.
-    fn sample_rectangle(
-        &self,
-        rectangle: &Rectangle,
-        from: &[&Interaction],
-        u: &[[f32; 2]],
-        out: &mut Vec<Option<LightSample>>,
-    ) {
-        let pdf_area = round_f32(1.0 / rectangle.area());
-        let mut lanes = Lanes::EMPTY;
-        for (from, u) in from.chunks(LANES).zip(u.chunks(LANES)) {
-            lanes.fill(from, u);
-            // Whole vectors, whatever lies beyond the end.
-            for lane in 0..from.len().next_multiple_of(8).min(LANES) {
-                let target = rectangle.sample_area([lanes.u[0][lane], lanes.u[1][lane]]);
-                let (is_seen, sample) = self.at(&target, pdf_area, &lanes.surface(lane), 0.0);
-                lanes.set(lane, is_seen, &sample);
-            }
-            out.extend(from.iter().enumerate().map(|(lane, from)| {
-                let (wi, pdf, ray) = lanes.sample(lane);
-                let shadow_ray = Ray { time: from.time, ..ray };
-                let sample = LightSample { wi, shadow_ray, radiance: self.radiance, pdf, delta: false };
-                lanes.is_seen[lane].then_some(sample)
-            }));
-        }
-    }
-
-    /// The sample at `target`, taken by area, as seen from `from` at `time`; and whether the light sends anything this way.
-    #[inline]
-    fn at(
-        &self,
-        target: &SurfacePoint,
-        pdf_area: f32,
-        from: &SurfacePoint,
-        time: f32,
-    ) -> (bool, LightSample) {
-        let d = target.point - from.point;
-        let inverse = d.length_recip();
-        let wi = d * inverse;
-        let cos = -wi.dot(target.ng);
-        let pdf = per_steradian(pdf_area, d.length_squared(), cos);
-        let shadow_ray = from.spawn_to(target, time);
-        // `inverse` is infinite where the points coincide; no branch, so that a loop can be one of vectors.
-        let is_seen = (inverse < f32::INFINITY) & (cos > 0.0);
-        (is_seen, LightSample { wi, shadow_ray, radiance: self.radiance, pdf, delta: false })
     }
 
     /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light from the
@@ -187,6 +137,53 @@ impl AreaLight {
             per_steradian(object.pdf_area(ng, ray.time), hit.t * hit.t, -ng.dot(ray.direction))
         })
     }
+}
+
+/// Points on a light of constant radiance by area, many at once: the loop over lanes becomes one of vectors.
+fn sample_rectangle(
+    rectangle: &Rectangle,
+    radiance: Rgb,
+    from: &[&Interaction],
+    u: &[[f32; 2]],
+    out: &mut Vec<Option<LightSample>>,
+) {
+    let pdf_area = round_f32(1.0 / rectangle.area());
+    let mut lanes = Lanes::EMPTY;
+    for (from, u) in from.chunks(LANES).zip(u.chunks(LANES)) {
+        lanes.fill(from, u);
+        // Whole vectors, whatever lies beyond the end.
+        for lane in 0..from.len().next_multiple_of(8).min(LANES) {
+            let target = rectangle.sample_area([lanes.u[0][lane], lanes.u[1][lane]]);
+            let (is_seen, sample) = seen(&target, radiance, pdf_area, &lanes.surface(lane), 0.0);
+            lanes.set(lane, is_seen, &sample);
+        }
+        out.extend(from.iter().enumerate().map(|(lane, from)| {
+            let (wi, pdf, ray) = lanes.sample(lane);
+            let shadow_ray = Ray { time: from.time, ..ray };
+            let sample = LightSample { wi, shadow_ray, radiance, pdf, delta: false };
+            lanes.is_seen[lane].then_some(sample)
+        }));
+    }
+}
+
+/// The sample at `target`, a point of that radiance taken by area, as seen from `from` at `time`; and whether the light sends anything this way.
+#[inline]
+fn seen(
+    target: &SurfacePoint,
+    radiance: Rgb,
+    pdf_area: f32,
+    from: &SurfacePoint,
+    time: f32,
+) -> (bool, LightSample) {
+    let d = target.point - from.point;
+    let inverse = d.length_recip();
+    let wi = d * inverse;
+    let cos = -wi.dot(target.ng);
+    let pdf = per_steradian(pdf_area, d.length_squared(), cos);
+    let shadow_ray = from.spawn_to(target, time);
+    // `inverse` is infinite where the points coincide; no branch, so that a loop can be one of vectors.
+    let is_seen = (inverse < f32::INFINITY) & (cos > 0.0);
+    (is_seen, LightSample { wi, shadow_ray, radiance, pdf, delta: false })
 }
 
 /// Surfaces whose light points are found at once.
@@ -292,7 +289,7 @@ mod tests {
         let to_frame = DAffine3::from_translation(DVec3::new(0.3, 0.1, 2.0)) * DAffine3::from_rotation_x(2.8);
         let shape = Shape::new(&ShapeSettings::Rectangle, &to_frame, false).unwrap();
         let accel = Accel::new(vec![Object::still(shape)], [0.0; 2]);
-        let light = AreaLight::new(0, &accel.objects()[0], Rgb::WHITE, LightSampling::Auto);
+        let light = AreaLight::new(0, &accel.objects()[0], Rgb::WHITE.into(), LightSampling::Auto);
         // Near and far, before and behind the light, and on it.
         let place = |i: f32| Vec3::new((0.7 * i).sin() * 5.0, (0.3 * i).cos(), 2.0 - (0.11 * i).cos() * 9.0);
         let at = |i: f32| {

@@ -144,15 +144,11 @@ impl Light {
         }
     }
 
-    /// What it sends towards whoever sees it: radiance (of an environment the mean over all directions), or intensity (of
-    /// a spot that in the middle) or irradiance for a light without extent.
-    pub fn radiance(&self) -> Rgb {
-        match *self {
-            Self::Area(AreaLight { radiance, .. }) | Self::Constant { radiance } => radiance,
-            Self::Environment(ref map) => map.mean(),
-            Self::Spot(ref spot) => spot.intensity,
-            Self::Point { intensity, .. } => intensity,
-            Self::Directional { irradiance, .. } => irradiance,
+    /// Radiance that a shape sends from the point of surface coordinates `uv`; black for lights that are no shapes.
+    pub fn radiance_at(&self, uv: [f32; 2]) -> Rgb {
+        match self {
+            Self::Area(light) => light.radiance.eval(uv),
+            _ => Rgb::BLACK,
         }
     }
 

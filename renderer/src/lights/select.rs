@@ -121,12 +121,12 @@ fn extent(light: &Light, accel: &Accel, shutter: [f64; 2]) -> Option<Extent> {
         cos: -1.0,
         intensity: intensity.mean(),
     };
-    match *light {
+    match light {
         Light::Area(AreaLight { object, radiance, .. }) => {
-            Some(extent_of(&accel.objects()[object as usize], radiance.mean(), shutter))
+            Some(extent_of(&accel.objects()[*object as usize], radiance.mean(), shutter))
         }
-        Light::Point { position, intensity } => Some(point(position, intensity)),
-        Light::Spot(ref spot) => Some(point(spot.position, spot.intensity)),
+        Light::Point { position, intensity } => Some(point(*position, *intensity)),
+        Light::Spot(spot) => Some(point(spot.position, spot.intensity)),
         Light::Constant { .. } | Light::Environment(_) | Light::Directional { .. } => None,
     }
 }

@@ -7,6 +7,7 @@ mod beckmann;
 mod blend;
 mod blur_disk;
 mod bsdf;
+mod calls;
 mod conductor;
 mod dielectric;
 mod diffuse;
@@ -27,6 +28,7 @@ pub use beckmann::Beckmann;
 pub use blend::Blend;
 pub use blur_disk::BlurDisk;
 pub use bsdf::{Branch, Bsdf, BsdfSample, Lobe};
+pub use calls::Calls;
 pub use conductor::{Conductor, Metal};
 pub use dielectric::Dielectric;
 pub use diffuse::{Diffuse, Matte};
@@ -79,37 +81,6 @@ pub enum Material {
     TwoSided(Box<Self>),
     /// A material for each side.
     Faces(Faces),
-}
-
-/// Which random decisions a material makes, and which effects it calls for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Calls {
-    /// It chooses among lobes: [`Bsdf::sample`] looks at `u_lobe`.
-    pub lobe: bool,
-    /// It chooses a direction in a lobe: [`Bsdf::sample`] looks at `u`.
-    pub direction: bool,
-    /// It has a lobe that is neither one direction nor diffuse.
-    pub rough: bool,
-    /// Light can pass through it.
-    pub dielectric: bool,
-    /// All its lobes are single directions: light sampling finds nothing.
-    pub delta_only: bool,
-    /// It is not the same in all directions around the normal: the frame's first tangent must be the surface's.
-    pub anisotropic: bool,
-}
-
-impl Calls {
-    /// What one of two materials calls for.
-    fn or(self, other: Self) -> Self {
-        Self {
-            lobe: self.lobe || other.lobe,
-            direction: self.direction || other.direction,
-            rough: self.rough || other.rough,
-            dielectric: self.dielectric || other.dielectric,
-            delta_only: self.delta_only && other.delta_only,
-            anisotropic: self.anisotropic || other.anisotropic,
-        }
-    }
 }
 
 impl Material {

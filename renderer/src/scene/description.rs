@@ -11,6 +11,7 @@ use crate::math::Rgb;
 use crate::math::transform::Motion;
 use crate::sampling::SamplerKind;
 use crate::shapes::ShapeSettings;
+use crate::texture::Texture;
 
 use super::transport::IntegratorSettings;
 
@@ -57,8 +58,8 @@ pub struct ObjectSettings {
     pub flip_normals: bool,
     /// What it is made of.
     pub material: Arc<Material>,
-    /// Radiance [W m⁻² sr⁻¹] emitted from the side of the normal; black for none.
-    pub radiance: Rgb,
+    /// Radiance [W m⁻² sr⁻¹] emitted from the side of the normal, by surface coordinates; black for none.
+    pub radiance: Texture,
 }
 
 /// A light that is not a shape.

@@ -92,7 +92,7 @@ impl SceneDescription {
                 let open = self.camera.shutter.open;
                 self.camera.shutter = Shutter { close: open, ..self.camera.shutter };
             }
-            Effect::AreaLight => self.objects.iter_mut().for_each(|o| o.radiance = Rgb::BLACK),
+            Effect::AreaLight => self.objects.iter_mut().for_each(|o| o.radiance = Rgb::BLACK.into()),
             Effect::Rough => {
                 for object in &mut self.objects {
                     let name = "number of rough lobes without a sharp form";

@@ -11,8 +11,8 @@ use crate::film::Film;
 use crate::interaction::Interaction;
 use crate::lights::{AreaLight, Environment, Light, Lights, Spot};
 use crate::materials::{Calls, Material};
+use crate::math::Frame;
 use crate::math::float::round_f32;
-use crate::math::{Frame, Rgb};
 use crate::ray::{Hit, Ray};
 use crate::sampling::Decision;
 use crate::shapes::{Shape, ShapeHit};
@@ -93,9 +93,9 @@ impl Scene {
             let placed = place(object, to_frame, shutter).map_err(refuse(&object.name))?;
             let light = if object.radiance.is_black() { None } else { Some(index(lights.len())?) };
             if light.is_some() {
-                check_radiance(object.radiance).map_err(refuse(&object.name))?;
+                check_radiance(object.radiance.range()).map_err(refuse(&object.name))?;
                 let sampling = description.integrator.light_sampling;
-                let light = AreaLight::new(index(objects.len())?, &placed, object.radiance, sampling);
+                let light = AreaLight::new(index(objects.len())?, &placed, object.radiance.clone(), sampling);
                 lights.push(Light::Area(light));
             }
             let calls = object.material.calls_for();
@@ -224,7 +224,7 @@ fn bare_light(settings: &LightSettings, to_frame: DVec3) -> Result<Option<Light>
             (Light::Directional { wi: wi.as_vec3(), irradiance }, irradiance)
         }
     };
-    check_radiance(quantity)?;
+    check_radiance(quantity.to_array())?;
     Ok((!quantity.is_black()).then_some(light))
 }
 
@@ -234,8 +234,9 @@ fn unit(name: &'static str, v: DVec3) -> Result<DVec3, ParamError> {
     v.try_normalize().ok_or(ParamError::OutOfRange { name, value: v.length(), accepted })
 }
 
-fn check_radiance(radiance: Rgb) -> Result<(), ParamError> {
-    for value in radiance.to_array().map(f64::from) {
+/// Refuses values that are not finite, or negative.
+fn check_radiance(values: impl IntoIterator<Item = f32>) -> Result<(), ParamError> {
+    for value in values.into_iter().map(f64::from) {
         if !value.is_finite() {
             return Err(ParamError::NotFinite { name: "radiance", value });
         }

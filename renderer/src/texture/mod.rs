@@ -51,6 +51,11 @@ impl Texture {
         }
     }
 
+    /// Whether it is 0 everywhere.
+    pub fn is_black(&self) -> bool {
+        self.range() == [0.0; 2]
+    }
+
     /// The largest channel found anywhere on the texture.
     pub fn max(&self) -> f32 {
         self.range()[1]

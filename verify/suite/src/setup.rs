@@ -134,7 +134,7 @@ pub fn tinted_glass(eta: f32, transmittance: f32) -> Arc<Material> {
 
 /// A black shape that emits the radiance 1 on the side of its normal.
 pub fn lamp(shape: ShapeSettings, to_world: DAffine3) -> ObjectSettings {
-    ObjectSettings { radiance: Rgb::WHITE, ..thing(shape, to_world, diffuse(0.0)) }
+    ObjectSettings { radiance: Rgb::WHITE.into(), ..thing(shape, to_world, diffuse(0.0)) }
 }
 
 /// A shape that does not emit.
@@ -145,7 +145,7 @@ pub fn thing(shape: ShapeSettings, to_world: DAffine3, material: Arc<Material>) 
         to_world: fixed(to_world),
         flip_normals: false,
         material,
-        radiance: Rgb::BLACK,
+        radiance: Rgb::BLACK.into(),
     }
 }
 

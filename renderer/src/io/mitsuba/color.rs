@@ -46,21 +46,37 @@ pub(super) fn color(object: &Object, name: &str, kind: Kind) -> Result<Option<Rg
 pub(super) fn emission(object: &Object, name: &str) -> Result<Rgb, Error> {
     let rgb = color(object, name, Kind::Emission)?.unwrap_or(Rgb::WHITE);
     if rgb.to_array().iter().any(|&c| c < 0.0) {
-        return Err(
-            object.refuse_value(name, format!("'{name}' has a negative channel; 0 or more is accepted"))
-        );
+        return Err(negative(object, name));
     }
     Ok(rgb)
 }
 
-/// The colour or texture called `name`, `default` where there is none.
-pub(super) fn texture(object: &Object, name: &str, default: f32) -> Result<Texture, Error> {
-    let tags = [&CONSTANT[..], &["texture"]].concat();
-    let Some(index) = object.part(name, &tags)? else { return Ok(Rgb::splat(default).into()) };
-    if object.context.document.elements[index].tag == "texture" {
-        return textures::read(object.context, index);
+/// The emission called `name`, a colour or a texture, 1 where there is none.
+pub(super) fn emission_texture(object: &Object, name: &str) -> Result<Texture, Error> {
+    let texture = varying(object, name, Kind::Emission)?.unwrap_or(Rgb::WHITE.into());
+    if texture.range()[0] < 0.0 {
+        return Err(negative(object, name));
     }
-    constant(object, index, Kind::Reflectance).map(Texture::from)
+    Ok(texture)
+}
+
+fn negative(object: &Object, name: &str) -> Error {
+    object.refuse_value(name, format!("'{name}' has a negative channel; 0 or more is accepted"))
+}
+
+/// The reflectance or transmittance called `name`, a colour or a texture, `default` where there is none.
+pub(super) fn texture(object: &Object, name: &str, default: f32) -> Result<Texture, Error> {
+    Ok(varying(object, name, Kind::Reflectance)?.unwrap_or(Rgb::splat(default).into()))
+}
+
+/// The colour or texture called `name`.
+fn varying(object: &Object, name: &str, kind: Kind) -> Result<Option<Texture>, Error> {
+    let tags = [&CONSTANT[..], &["texture"]].concat();
+    let Some(index) = object.part(name, &tags)? else { return Ok(None) };
+    if object.context.document.elements[index].tag == "texture" {
+        return textures::read(object.context, index).map(Some);
+    }
+    constant(object, index, kind).map(|value| Some(value.into()))
 }
 
 fn constant(object: &Object, index: usize, kind: Kind) -> Result<Rgb, Error> {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::Context;
-use super::color::{emission, single};
+use super::color::{emission, emission_texture, single};
 use super::object::Object;
-use super::{shapes, transform};
+use super::transform;
 use crate::Error;
 use crate::io::png;
 use crate::lights::Environment;
@@ -45,7 +45,7 @@ pub(super) fn read(context: &Context, indices: &[usize]) -> Result<Vec<LightSett
 /// An area emitter beside the shapes is one that a shape refers to.
 fn unattached(context: &Context, object: &Object) -> Result<(), Error> {
     if context.attached.borrow().contains(&object.index) {
-        shapes::area_radiance(object)?;
+        emission_texture(object, "radiance")?;
         return Ok(());
     }
     Err(object

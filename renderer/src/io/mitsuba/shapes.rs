@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::Context;
-use super::color::emission;
+use super::color::emission_texture;
 use super::object::Object;
 use super::{bsdfs, transform};
 use crate::Error;
@@ -122,7 +122,7 @@ fn shape(object: Object, plugin: &str) -> Result<ObjectSettings, Error> {
         to_world,
         flip_normals,
         material,
-        radiance: radiance.unwrap_or(Rgb::BLACK),
+        radiance: radiance.unwrap_or(Rgb::BLACK.into()),
     })
 }
 
@@ -156,27 +156,14 @@ fn mesh(object: &Object, format: MeshFormat, to_world: &Motion) -> Result<ShapeS
 }
 
 /// The radiance of the area light that the shape is, if it is one.
-fn radiance(object: &Object) -> Result<Option<Rgb>, Error> {
+fn radiance(object: &Object) -> Result<Option<Texture>, Error> {
     let Some(index) = object.only_nested("emitter")? else { return Ok(None) };
     let light = Object::new(object.context, index)?;
     light.plugin(&["area"])?;
-    let radiance = area_radiance(&light)?;
+    let radiance = emission_texture(&light, "radiance")?;
     light.finish()?;
     object.context.attached.borrow_mut().insert(index);
     Ok(Some(radiance))
-}
-
-/// The radiance of the `area` emitter `light`.
-pub(super) fn area_radiance(light: &Object) -> Result<Rgb, Error> {
-    if let Some(index) = light.part("radiance", &["rgb", "spectrum", "float", "integer", "texture"])? {
-        let element = &light.context.document.elements[index];
-        if element.tag == "texture" {
-            return Err(element
-                .place
-                .unsupported("a texture as radiance", "rgb, spectrum, float are accepted"));
-        }
-    }
-    emission(light, "radiance")
 }
 
 /// The shape's material; without one, grey of 0.5, or black for a light, as in Mitsuba.

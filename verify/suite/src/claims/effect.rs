@@ -126,7 +126,7 @@ fn slide(distance: f64) -> Motion {
 /// A black ball in the corner, alone or as a light.
 fn black_ball(radiance: f32) -> ObjectSettings {
     let ball = ShapeSettings::Sphere { center: DVec3::new(1.0, 0.3, 0.5), radius: 0.3 };
-    ObjectSettings { radiance: Rgb::splat(radiance), ..thing(ball, DAffine3::IDENTITY, diffuse(0.0)) }
+    ObjectSettings { radiance: Rgb::splat(radiance).into(), ..thing(ball, DAffine3::IDENTITY, diffuse(0.0)) }
 }
 
 fn dark(radiance: f32) -> SceneDescription {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use glam::{DAffine3, DMat3, DVec3};
-use renderer::scene::ObjectSettings;
+use renderer::scene::{ObjectSettings, Strategy};
 use renderer::shapes::{MeshData, ShapeSettings};
 use verify::claim::{Claim, Level, Run, claim};
 use verify::irradiance::{
@@ -14,6 +14,7 @@ use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 mod meter;
 mod random;
+mod textured;
 
 use crate::bounds;
 use crate::setup::{built, irradiance, lamp, receiver, rectangle_at, remembering};
@@ -26,21 +27,31 @@ struct Place {
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
+    let light = Strategy::Light;
     let mut list = vec![
-        from("irradiance/rectangle/parallel", "a rectangle parallel to the receiver", 256, parallel),
+        from("rectangle/parallel", "a rectangle parallel to the receiver", light, 256, parallel),
         from(
-            "irradiance/rectangle/perpendicular",
+            "rectangle/perpendicular",
             "a rectangle perpendicular to the receiver",
+            light,
             256,
             perpendicular,
         ),
-        from("irradiance/rectangle/tilted", "a tilted rectangle, partly below the horizon", 256, tilted),
-        from("irradiance/disk/parallel", "a disk parallel to the receiver, on and off its axis", 512, disk),
-        from("irradiance/sphere/tilted", "a sphere at any tilt, partly below the horizon", 1024, sphere),
-        from("irradiance/triangle/tilted", "a tilted triangle of a mesh", 256, triangle),
+        from("rectangle/tilted", "a tilted rectangle, partly below the horizon", light, 256, tilted),
+        from("disk/parallel", "a disk parallel to the receiver, on and off its axis", light, 512, disk),
+        from("sphere/tilted", "a sphere at any tilt, partly below the horizon", light, 1024, sphere),
+        from("triangle/tilted", "a tilted triangle of a mesh", light, 256, triangle),
+        from(
+            "mesh/smooth",
+            "a tilted mesh of bent shading normals, connected and met",
+            Strategy::Both,
+            512,
+            smooth,
+        ),
     ];
     list.extend(random::claims());
     list.extend(meter::claims());
+    list.extend(textured::claims());
     list.into_iter().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }
 
@@ -50,11 +61,18 @@ const ROUNDING: f64 = 1e-6;
 /// The claim that a light in each of ten places gives the irradiance of the closed form.
 ///
 /// * `places`: of a light that is as large as it should be times a factor.
-fn from(id: &'static str, what: &'static str, samples: u32, places: fn(f64) -> Vec<Place>) -> Claim {
+fn from(
+    id: &'static str,
+    what: &'static str,
+    strategy: Strategy,
+    samples: u32,
+    places: fn(f64) -> Vec<Place>,
+) -> Claim {
+    let id = format!("irradiance/{id}");
     let says = format!("{what}, in ten places, gives the irradiance of the closed form");
-    let lit = LazyLock::new(move || Lit::new(places(1.0), samples));
+    let lit = LazyLock::new(move || Lit::new(places(1.0), strategy, samples));
     // a gross mistake shows with fewer samples too
-    let large = LazyLock::new(move || Lit::new(places(2.0), samples / 8));
+    let large = LazyLock::new(move || Lit::new(places(2.0), strategy, samples / 8));
     let lit = Arc::new(lit);
     let (control, right) = (lit.clone(), lit.clone());
     claim(id, says)
@@ -73,10 +91,12 @@ struct Lit {
 }
 
 impl Lit {
-    fn new(places: Vec<Place>, samples: u32) -> Self {
+    fn new(places: Vec<Place>, strategy: Strategy, samples: u32) -> Self {
         let (mut scenes, mut claims) = (Vec::new(), Vec::new());
         for place in places {
-            scenes.push(built(&receiver(vec![place.lamp])));
+            let mut description = receiver(vec![place.lamp]);
+            description.integrator.strategy = strategy;
+            scenes.push(built(&description));
             let claim = MeanClaim::relative(place.exact, bounds::IRRADIANCE);
             claims.push(MeanClaim { rounding: ROUNDING, ..claim });
         }
@@ -163,25 +183,38 @@ fn sphere(scale: f64) -> Vec<Place> {
 }
 
 fn triangle(scale: f64) -> Vec<Place> {
-    let place = |[x, y, a, b, h]: [f64; 5]| {
-        let centre = DVec3::new(x, y, h);
-        let (side, other) = facing_origin(centre);
-        let corner = |s: f64, t: f64| centre + s * side + t * other;
-        let corners = [corner(-a, -b), corner(a, -b), corner(0.3 * a, b)].map(|c| c.to_array());
-        let data = MeshData {
-            positions: corners.map(|c| ((DVec3::from(c) - centre) * scale).as_vec3().to_array()).into(),
-            normals: None,
-            uvs: None,
-            triangles: vec![[0, 1, 2]],
-            face_normals: true,
-        };
-        let to_world = DAffine3 { matrix3: DMat3::IDENTITY, translation: centre };
-        Place {
-            lamp: lamp(ShapeSettings::Mesh(Arc::new(data)), to_world),
-            exact: from_polygon(RECEIVER, &corners),
-        }
+    PLACES.map(|place| flat_mesh(place, scale, &[[-1.0, -1.0], [1.0, -1.0], [0.3, 1.0]], false)).into()
+}
+
+/// Two triangles whose normals for shading lean by up to half a right angle.
+fn smooth(scale: f64) -> Vec<Place> {
+    PLACES
+        .map(|place| flat_mesh(place, scale, &[[-1.0, -1.0], [1.0, -1.0], [0.3, 1.0], [-0.8, 0.7]], true))
+        .into()
+}
+
+/// A fan of triangles around the first corner, in a place and turned nearly to the origin.
+///
+/// * `corners`: in half sides.
+/// * `bent`: with normals at the vertices that lean away from the middle; none of it may change the irradiance.
+fn flat_mesh([x, y, a, b, h]: [f64; 5], scale: f64, corners: &[[f64; 2]], bent: bool) -> Place {
+    let centre = DVec3::new(x, y, h);
+    let (side, other) = facing_origin(centre);
+    let offsets: Vec<DVec3> = corners.iter().map(|[s, t]| s * a * side + t * b * other).collect();
+    let lean = |offset: &DVec3| (side.cross(other) + offset.normalize()).normalize().as_vec3().to_array();
+    let data = MeshData {
+        positions: offsets.iter().map(|offset| (*offset * scale).as_vec3().to_array()).collect(),
+        normals: bent.then(|| offsets.iter().map(lean).collect()),
+        uvs: None,
+        triangles: (2..).zip(&corners[2..]).map(|(last, _)| [0, last - 1, last]).collect(),
+        face_normals: !bent,
     };
-    PLACES.map(place).into()
+    let corners: Vec<[f64; 3]> = offsets.iter().map(|offset| (centre + *offset).to_array()).collect();
+    let to_world = DAffine3 { matrix3: DMat3::IDENTITY, translation: centre };
+    Place {
+        lamp: lamp(ShapeSettings::Mesh(Arc::new(data)), to_world),
+        exact: from_polygon(RECEIVER, &corners),
+    }
 }
 
 /// The receiver of [`receiver`].

@@ -220,7 +220,7 @@ impl Lamp {
 
 /// The light that the only object is.
 fn light(accel: &Accel, sampling: LightSampling) -> AreaLight {
-    AreaLight::new(0, &accel.objects()[0], Rgb::WHITE, sampling)
+    AreaLight::new(0, &accel.objects()[0], Rgb::WHITE.into(), sampling)
 }
 
 /// A place in the air from which a light is seen.

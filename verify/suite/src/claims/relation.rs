@@ -313,7 +313,7 @@ fn two_lights(factors: [f32; 2]) -> SceneDescription {
     description.objects.push(lamp(ball, DAffine3::IDENTITY));
     let lamps = description.objects.iter_mut().rev().take(2);
     for (lamp, factor) in lamps.zip(factors) {
-        lamp.radiance = Rgb::splat(4.0 * factor);
+        lamp.radiance = Rgb::splat(4.0 * factor).into();
     }
     description
 }
@@ -334,7 +334,7 @@ fn many_lights(which: std::ops::Range<u32>) -> SceneDescription {
                 lamp(ShapeSettings::Disk, rectangle_at(at, side * DVec3::X, side * DVec3::new(0.0, 0.3, 1.0)))
             }
         };
-        one.radiance = Rgb::splat([1.0, 8.0, 3.0, 20.0][i as usize % 4]);
+        one.radiance = Rgb::splat([1.0, 8.0, 3.0, 20.0][i as usize % 4]).into();
         description.objects.push(one);
     }
     description

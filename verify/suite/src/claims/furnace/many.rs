@@ -86,7 +86,7 @@ fn plate_scene(strategy: Strategy) -> Scene {
         #[expect(clippy::cast_possible_truncation, reason = "reflectances and radiances are f32")]
         let (albedo, radiance) = (albedos[i] as f32, emitted[i] as f32);
         plate.material = diffuse(albedo);
-        plate.radiance = Rgb::splat(radiance);
+        plate.radiance = Rgb::splat(radiance).into();
         plate
     };
     let integrator =

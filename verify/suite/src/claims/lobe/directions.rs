@@ -176,12 +176,17 @@ fn phong_grazing() -> Claim {
     let density = move |wi| closed_form::highlight(EXPONENT.into(), wo.as_dvec3(), wi);
     let highlight = |exponent: f32| direction(phong([0.0, 0.5], exponent), wo);
     let sharper = highlight(1.1 * f32::from(EXPONENT));
-    test(Directions::hemisphere(), DMat3::IDENTITY, density, highlight(f32::from(EXPONENT)))
+    let right = highlight(f32::from(EXPONENT));
+    test(Directions::hemisphere(), DMat3::IDENTITY, density, right)
         .rejects("exponent 10 % too large", move |u: [f64; 2]| {
             sharper(u).map(|w| w.to_array().map(f64::from))
         })
         .rejects("highlight about the normal", |u: [f64; 2]| {
             Some(wrong::phong_with_exponent(u, f64::from(EXPONENT) + 1.0))
+        })
+        // The same directions in the same proportions, but too many of them.
+        .rejects("another direction for one below the surface", move |[a, b, c, d]: [f64; 4]| {
+            right([a, b]).or_else(|| right([c, d])).map(|w| w.to_array().map(f64::from))
         })
         .claim(
             "lobe/phong/grazing",

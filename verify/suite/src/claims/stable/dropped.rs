@@ -103,8 +103,8 @@ fn sums() -> Claim {
         let near = thing(ShapeSettings::Rectangle, side(0.0), Arc::new(mirror));
         let far = lamp(ShapeSettings::Rectangle, side(4.0));
         let objects = vec![
-            ObjectSettings { radiance: Rgb::splat(3e38), ..near },
-            ObjectSettings { radiance: Rgb::splat(second), flip_normals: true, ..far },
+            ObjectSettings { radiance: Rgb::splat(3e38).into(), ..near },
+            ObjectSettings { radiance: Rgb::splat(second).into(), flip_normals: true, ..far },
         ];
         let integrator = IntegratorSettings { max_depth: Some(3), ..IntegratorSettings::PATH };
         spot(DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 0.0, 1.0), objects, integrator)

@@ -113,7 +113,7 @@ fn ceiling(half: f64, height: f64) -> renderer::scene::ObjectSettings {
 /// A floor lit by a lamp of some radiance in a height of 1, of side 2.
 fn radiance(value: f32) -> SceneDescription {
     let mut lamp = ceiling(1.0, 1.0);
-    lamp.radiance = Rgb::splat(value);
+    lamp.radiance = Rgb::splat(value).into();
     under(lamp)
 }
 
