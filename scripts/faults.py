@@ -192,7 +192,8 @@ def row(fault, found):
 
 def copy_of(root, folder):
     """A copy of the last commit; its files are new, so that what a run that was cut off has left is built again."""
-    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     archive = subprocess.run(["git", "archive", "HEAD"], cwd=root, check=True, capture_output=True).stdout
     subprocess.run(["tar", "-x", "-m", "-C", str(folder)], input=archive, check=True)
     return folder
