@@ -13,6 +13,7 @@ use verify::irradiance::{
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 mod meter;
+mod moving;
 mod random;
 mod textured;
 
@@ -52,6 +53,7 @@ pub(super) fn claims() -> Vec<Claim> {
     list.extend(random::claims());
     list.extend(meter::claims());
     list.extend(textured::claims());
+    list.push(moving::moments());
     list.into_iter().map(|claim| claim.same_up_to(Level::Standard)).collect()
 }
 

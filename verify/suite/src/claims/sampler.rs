@@ -6,12 +6,16 @@ use verify::claim::{Claim, Level};
 
 mod evenness;
 mod independence;
+mod names;
 mod recording;
 mod uniformity;
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    [uniformity::claims(), evenness::claims(), independence::claims()].into_iter().flatten().collect()
+    [uniformity::claims(), evenness::claims(), independence::claims(), names::claims()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// The level from which on a sampler's claims run: those of the three that most scenes use run at every level.
