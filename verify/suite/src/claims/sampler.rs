@@ -6,16 +6,21 @@ use verify::claim::{Claim, Level};
 
 mod evenness;
 mod independence;
+mod indices;
 mod names;
 mod recording;
 mod uniformity;
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    [uniformity::claims(), evenness::claims(), independence::claims(), names::claims()]
-        .into_iter()
-        .flatten()
-        .collect()
+    let groups = [
+        uniformity::claims(),
+        evenness::claims(),
+        independence::claims(),
+        indices::claims(),
+        names::claims(),
+    ];
+    groups.into_iter().flatten().collect()
 }
 
 /// The level from which on a sampler's claims run: those of the three that most scenes use run at every level.
