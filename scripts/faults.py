@@ -261,7 +261,7 @@ def svg(matrix):
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" '
              f'font-size="8"><rect width="100%" height="100%" fill="white"/>',
              f'<text x="8" y="16" font-size="12">{len(rows)} faults against {len(claims)} claims; commit '
-             f'{" and ".join(sorted({row["commit"][:12] for row in rows}))}; dark: caught within 0.1 s, pale: more</text>']
+             f'{" and ".join(sorted({row["commit"][:12] for row in rows}))}; dark: caught within 0.1 s, pale: more, orange: at the standard level only</text>']
     for x, claim in enumerate(claims):
         at = left + cell * x + 7
         parts.append(f'<text transform="translate({at},{top - 4}) rotate(-60)">{escape(claim)}</text>')
