@@ -34,7 +34,7 @@ PLANTED = [word for setting in ("incremental=true", "package.renderer.codegen-un
                                 "package.verify.debug=false", "package.lightproof.debug=false")
            for word in ("--config", f"profile.release.{setting}")]
 
-# Bytes that a wrong program may take before it is broken off; the right one takes less than a tenth.
+# Bytes that a wrong program may take before it is broken off; a tenth is enough for the right one at the quick level.
 MEMORY = 6 << 30
 PANIC = 101
 BROKEN_OFF = "(the program breaks off)"

@@ -12,8 +12,8 @@ use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
 use crate::scene::{Branch, Effect, Meter, Scene, Strategy};
 
-/// Share of its sample's light below which a path no longer forks: one that shrinks by each fork and never grows, so that a
-/// sample has at most 64 paths.
+/// Share of its sample's light below which a path no longer forks. Forks divide it, and refraction doesn't squeeze it, so that
+/// they make at most 64 paths of one that begins with all of the light.
 const FORK_MIN: f32 = 1.0 / 64.0;
 
 /// The stages from the film to the camera's rays, as far as the scene calls for them.

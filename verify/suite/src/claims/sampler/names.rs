@@ -33,7 +33,7 @@ pub(super) fn claims() -> Vec<Claim> {
 /// A sampler that notes which numbers it is asked for.
 struct Register {
     inner: Independent,
-    /// Of one sample among so many, but for the first, it takes both branches of a fork for one.
+    /// Of the last of each so many samples it takes both branches of a fork for one.
     forgetful: u32,
     asked: Mutex<Asked>,
 }
