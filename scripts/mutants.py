@@ -88,14 +88,29 @@ def passes(workshop, words):
                           preexec_fn=limit_memory).returncode == 0
 
 
+def families(workshop, program):
+    """The first parts of the claims' names, in the program's order."""
+    done = subprocess.run([str(program), "verify", "--list"], cwd=workshop.copy, capture_output=True, text=True)
+    return list(dict.fromkeys(line.split("/")[0] for line in done.stdout.splitlines()))
+
+
 def claims_that_fail(workshop):
-    """The claims of the quick level that notice something, at most three by name; a program that never ends too."""
+    """The claims of the quick level that notice something, at most three by name; a program that never ends too.
+
+    Family after family, up to the first in which one is: a claim that fails has tried again with 21 times the work.
+    """
     program = workshop.build()
-    try:
-        found = workshop.verify(program, "quick", [], PATIENCE)
-    except subprocess.TimeoutExpired:
-        return "the program, which never ends"
-    return ", ".join(one["claim"] for one in found[:3])
+    found = families(workshop, program)
+    if not found:
+        return "the program, which cannot list its claims"
+    for family in found:
+        try:
+            failing = workshop.verify(program, "quick", [f"{family}/*"], PATIENCE)
+        except subprocess.TimeoutExpired:
+            return "the program, which never ends"
+        if failing:
+            return ", ".join(one["claim"] for one in failing[:3])
+    return None
 
 
 def examine(workshop, mutant):
@@ -107,7 +122,7 @@ def examine(workshop, mutant):
         if not passes(workshop, ["--package", mutant.package, "--lib"]):
             return "unit tests"
         return (claims_that_fail(workshop)
-                or (None if passes(workshop, ["--package", mutant.package, "--tests"]) else "tests of the crate"))
+                or (None if passes(workshop, ["--package", mutant.package, "--test", "*"]) else "tests of the crate"))
     finally:
         path.write_text(text, encoding="utf-8")
 

@@ -192,11 +192,16 @@ fn rays_spawned_without_an_offset_come_back() {
     assert!(back > 100, "{back} of 2000");
 }
 
-fn hit(shape: &Shape, origin: [f32; 3], direction: [f32; 3]) -> (ShapeHit, SurfacePoint) {
-    let ray = Ray::new(origin.into(), direction.into(), 0.0);
-    let hits = (0..shape.element_count()).filter_map(|e| shape.intersect(e, &ray).map(|h| (e, h)));
+/// The element that a ray meets first, where, and the surface there.
+fn nearest(shape: &Shape, ray: &Ray) -> (u32, ShapeHit, SurfacePoint) {
+    let hits = (0..shape.element_count()).filter_map(|e| shape.intersect(e, ray).map(|h| (e, h)));
     let (element, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t)).expect("the ray meets the shape");
-    (hit, shape.surface(element, &hit, &ray))
+    (element, hit, shape.surface(element, &hit, ray))
+}
+
+fn hit(shape: &Shape, origin: [f32; 3], direction: [f32; 3]) -> (ShapeHit, SurfacePoint) {
+    let (_, hit, surface) = nearest(shape, &Ray::new(origin.into(), direction.into(), 0.0));
+    (hit, surface)
 }
 
 #[test]
@@ -259,6 +264,44 @@ fn the_cube_faces_outward_with_mitsubas_texture_squares() {
     let near = |origin: [f32; 3], direction: [f32; 3]| hit(&cube, origin, direction).1.uv;
     assert_eq!(near([0.5, -3.0, 0.75], [0.0, 1.0, 0.0]), [0.875, 0.75]);
     assert_eq!(near([-3.0, 0.5, 0.75], [1.0, 0.0, 0.0]), [0.75, 0.875]);
+}
+
+#[test]
+fn tangents_point_where_the_first_texture_coordinate_grows() {
+    let turned = DAffine3::from_rotation_translation(DQuat::from_rotation_x(0.7), DVec3::new(1.0, 2.0, -0.5))
+        * DAffine3::from_rotation_y(0.4);
+    let sheared =
+        turned * DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::new(0.5, 1.5, 0.0), DVec3::Z));
+    let triangle = |uvs: [[f32; 2]; 3]| {
+        let positions = vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [0.0, 2.0, 0.0]];
+        let (triangles, uvs) = (vec![[0, 1, 2]], Some(uvs.to_vec()));
+        ShapeSettings::Mesh(Arc::new(MeshData { positions, triangles, uvs, ..MeshData::default() }))
+    };
+    let (down, inward) = ([0.3, -0.2, 3.0], [3.0, 0.4, 0.3]);
+    let cases = [
+        (ShapeSettings::Rectangle, sheared, down),
+        (ShapeSettings::Disk, sheared, down),
+        (ShapeSettings::Cube, sheared, down),
+        (triangle([[0.1, 0.2], [0.9, 0.4], [0.3, 0.7]]), sheared, down),
+        (triangle([[0.9, 0.2], [0.1, 0.4], [0.3, 0.7]]), sheared, down), // seen in a mirror
+        (ShapeSettings::Sphere { center: DVec3::ZERO, radius: 1.0 }, turned, inward),
+        (ShapeSettings::Cylinder { p0: -DVec3::Z, p1: DVec3::Z, radius: 1.0 }, turned, inward),
+    ];
+    for (settings, map, from) in cases {
+        for flip in [false, true] {
+            let shape = Shape::new(&settings, &map, flip).unwrap();
+            let origin = map.transform_point3(Vec3::from(from).as_dvec3());
+            let axis = if from == down { -DVec3::Z } else { -DVec3::X };
+            let ray = |origin: DVec3| Ray::new(origin.as_vec3(), map.transform_vector3(axis).as_vec3(), 0.0);
+            let (element, _, here) = nearest(&shape, &ray(origin));
+            let step = 0.01 * shape.tangent(element, &here).normalize();
+            let (_, _, there) = nearest(&shape, &ray(origin + step));
+            let [du, dv] = [0, 1].map(|i| there.uv[i] - here.uv[i]);
+            // Coordinates change by a hundredth of 0.1 to 1 a metre, f32's rounding is 1e-7; on the sphere a chord of h along
+            // a parallel at 20° leaves it by h²·tan 20°/2 = 2e-5, a hundredth of du.
+            assert!(du > 1e-4 && dv.abs() < 0.02 * du, "{settings:?} {flip}: {du} {dv}");
+        }
+    }
 }
 
 #[test]

@@ -21,16 +21,17 @@ class Shop:
         return "program"
 
     def verify(self, program, level, patterns, patience):
-        self.asked.append(level)
+        self.asked += patterns
         if "an endless loop" in self.failing:
             raise subprocess.TimeoutExpired("lightproof", patience)
         assert (self.copy / "a.rs").read_text(encoding="utf-8") == TEXT.replace("+", "-")
-        return [{"claim": "a/b/c"}] if level in self.failing else []
+        return [{"claim": "b/c/d"}] if patterns[0] in self.failing else []
 
 
 def examined(monkeypatch, tmp_path, failing):
     shop = Shop(tmp_path, failing)
     monkeypatch.setattr(mutants, "passes", lambda shop, words: words[-1] not in failing)
+    monkeypatch.setattr(mutants, "families", lambda shop, program: [] if "the list" in failing else ["a", "b", "c"])
     found = mutants.examine(shop, mutants.mutant_of(ENTRY))
     assert (tmp_path / "a.rs").read_text(encoding="utf-8") == TEXT
     return found, shop.asked
@@ -41,9 +42,10 @@ def test_a_mutant_replaces_its_span():
 
 
 @pytest.mark.parametrize("failing, found, asked", [
-    (["--lib", "quick"], "unit tests", []), (["quick"], "a/b/c", ["quick"]),
-    (["an endless loop"], "the program, which never ends", ["quick"]),
-    (["--tests"], "tests of the crate", ["quick"]), ([], None, ["quick"])])
+    (["--lib", "a/*"], "unit tests", []), (["b/*", "c/*"], "b/c/d", ["a/*", "b/*"]),
+    (["an endless loop"], "the program, which never ends", ["a/*"]),
+    (["the list"], "the program, which cannot list its claims", []),
+    (["*"], "tests of the crate", ["a/*", "b/*", "c/*"]), ([], None, ["a/*", "b/*", "c/*"])])
 def test_the_first_that_fails_catches(monkeypatch, tmp_path, failing, found, asked):
     assert examined(monkeypatch, tmp_path, failing) == (found, asked)
 

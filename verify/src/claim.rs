@@ -299,7 +299,9 @@ mod tests {
         let script = Mutex::new(script.into_iter());
         let next =
             move |_: &Run| Ok(script.lock().expect("no panic inside").next().expect("script is long enough"));
-        claim("a/b/c", "scripted").by(next).run(0, Level::Quick).expect("runs")
+        let claim = claim("a/b/c", "scripted").by(next);
+        assert_eq!((claim.id(), claim.says()), ("a/b/c", "scripted"));
+        claim.run(0, Level::Quick).expect("runs")
     }
 
     #[test]

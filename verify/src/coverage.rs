@@ -20,14 +20,15 @@ pub fn circle_in_rectangle(radius: f64, rectangle: [[f64; 2]; 2]) -> f64 {
     radius * radius * (corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0))
 }
 
-/// Area of the unit disk left of `a` and below `b`: ∫ min(b, h) + h over x < a where b > −h, h = √(1 − x²).
+/// Area of the unit disk left of `a` and below `b`, up to a constant for b ≥ 1 and another for b in [0, 1), which the difference of
+/// two corners at one b takes away: ∫ min(b, h) + h over x < a where b > −h, h = √(1 − x²).
 fn quadrant(a: f64, b: f64) -> f64 {
     let a = a.clamp(-1.0, 1.0);
     if b <= -1.0 {
         return 0.0;
     }
-    // ∫ h from −1 to x.
-    let half = |x: f64| 0.5 * (x * ((1.0 - x) * (1.0 + x)).sqrt() + x.asin() + 0.5 * PI);
+    // ∫ h from 0 to x.
+    let half = |x: f64| 0.5 * (x * ((1.0 - x) * (1.0 + x)).sqrt() + x.asin());
     if b >= 1.0 {
         return 2.0 * half(a);
     }

@@ -216,6 +216,20 @@ mod tests {
     }
 
     #[test]
+    fn the_control_is_so_many_resolutions_away() {
+        // A is larger by 0.2 and seven standard errors of 0.9/√(12·64): the difference keeps its sign.
+        let larger = |seed: u64| 0.2 + noisy(0.9)(seed);
+        let estimate = |evidence: Evidence| (evidence.estimate, evidence.resolution.value);
+        let (right, resolution) = estimate(CLAIM.evidence(&RUN, larger, noisy(0.1)).unwrap());
+        let (moved, _) = estimate(CLAIM.control(&RUN, larger, noisy(0.1)).unwrap());
+        // A few roundings of numbers near 1.
+        assert!(
+            ((moved - right) / resolution - CONTROL_FACTOR).abs() < 1e-12,
+            "{right} {moved} {resolution}"
+        );
+    }
+
+    #[test]
     fn interval_and_resolution_are_those_of_welchs_t() {
         let around = |mean: f64, deviation: f64| -> Vec<Replicate> {
             (0..32).map(|i| (mean + if i % 2 == 0 { deviation } else { -deviation }).into()).collect()

@@ -146,6 +146,15 @@ mod tests {
     }
 
     #[test]
+    fn pixels_without_error_keep_their_even_share() {
+        let errors: Vec<f64> = (0..64).map(|i| f64::from(i % 2)).collect();
+        let counts = in_proportion(&errors, 1, 1024);
+        // 0.05 against 0.05 + 0.95·2 = 1.95; both numbers are rounded by a factor of √2.
+        let ratio = f64::from(counts[1]) / f64::from(counts[0]);
+        assert!((19.5..=78.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
     fn an_image_without_errors_is_sampled_evenly() {
         assert_eq!(by_error([3, 2], &[0.0; 6], 16, 64), [64; 6]);
         assert_eq!(by_error([3, 2], &[2.0; 6], 16, 64), [64; 6]);

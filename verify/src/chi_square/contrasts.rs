@@ -114,6 +114,17 @@ mod tests {
     }
 
     #[test]
+    fn a_smooth_error_of_uneven_cells_is_in_the_contrasts() {
+        let cell = |i: usize| {
+            let place = [i % 14, i / 14].map(|k| (k as f64 + 0.5) / 14.0);
+            let expected = 5.0 + 100.0 * place[0];
+            Cell::new(expected * (0.9 + 0.2 * place[1]), expected, at(place))
+        };
+        let split = split((0..196).map(cell).collect());
+        assert!(split.rest.statistic < 1e-9 && split.contrasts.statistic > 1.0); // rounding of 196 terms
+    }
+
+    #[test]
     fn one_row_and_few_cells_have_fewer_contrasts() {
         let row = split(grid(200, 1, |_| 1.0));
         assert_eq!((row.contrasts.dof, row.rest.dof), (4.0, 195.0));

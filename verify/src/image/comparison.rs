@@ -328,6 +328,13 @@ mod tests {
             (found.verdict, found.error_known, found.bias_percent),
             (Verdict::Undecided, false, 100.0)
         );
+        assert_eq!(found.evidence.doubts, ["an image does not know its errors: one replicate, one file"]);
+        let rare = compare(&sure.clone().with_largest_share(0.25), &sure, 0.5).unwrap();
+        let doubts = ["normal theory is not trusted: one sample makes up 25.0 % of an image"];
+        assert_eq!(
+            (rare.error_known, rare.evidence.doubts.as_slice()),
+            (true, doubts.map(String::from).as_slice())
+        );
     }
 
     #[test]

@@ -90,15 +90,21 @@ mod tests {
     use crate::image::compare;
     use crate::seeds::uniform;
 
-    /// `count` files of 64 × 48 grey pixels with skewed noise (a square of a uniform number); pixels from `wrong` on are brighter.
-    fn side(first: u64, count: u64, wrong: usize) -> Image {
+    /// `count` files of 64 × 48 pixels with skewed noise (a square of a uniform number), alike in all channels; pixels from `wrong` on are
+    /// brighter.
+    fn coloured(channels: usize, first: u64, count: u64, wrong: usize) -> Image {
         let value = |seed: u64, i: usize| {
             let noise = uniform(seed, i as u64).powi(4);
             noise + if i >= wrong { 1.0 } else { 0.0 }
         };
-        let files: Vec<Vec<f64>> =
-            (0..count).map(|k| (0..64 * 48).map(|i| value(first + k, i)).collect()).collect();
-        Image::from_seeds([64, 48], 1, &files).expect("files of one size")
+        let file = |k: u64| (0..64 * 48 * channels).map(|i| value(first + k, i / channels)).collect();
+        let files: Vec<Vec<f64>> = (0..count).map(file).collect();
+        Image::from_seeds([64, 48], channels, &files).expect("files of one size")
+    }
+
+    /// The same in grey.
+    fn side(first: u64, count: u64, wrong: usize) -> Image {
+        coloured(1, first, count, wrong)
     }
 
     #[test]
@@ -120,6 +126,17 @@ mod tests {
     fn a_hundred_wrong_pixels_stand_out() {
         let found = pixels(&side(0, 4, 64 * 48 - 200), &side(10, 4, usize::MAX)).expect("several seeds");
         assert!(found.are_too_many() && found.p_value < 0.05, "{found:?}"); // 1/21: none of the swaps has as many
+        let compared = compare(&side(0, 4, 64 * 48 - 200), &side(10, 4, usize::MAX), 50.0).unwrap();
+        let [doubt] = compared.evidence.doubts.as_slice() else { panic!("{compared:?}") };
+        assert!(doubt.starts_with(&format!("{} pixels differ beyond their errors", found.beyond)), "{doubt}");
+    }
+
+    #[test]
+    fn a_pixel_counts_once_whatever_its_channels() {
+        let found = |channels| {
+            pixels(&coloured(channels, 0, 4, 64 * 48 - 200), &coloured(channels, 10, 4, usize::MAX))
+        };
+        assert_eq!(found(3), found(1));
     }
 
     #[test]

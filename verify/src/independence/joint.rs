@@ -181,6 +181,14 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_one_corner_are_as_independent_as_those_of_the_square() {
+        let mut tally = Tally::new("a corner");
+        (0..20_000).for_each(|i| tally.push([0.25 * uniform(0, i), 0.25 * uniform(1, i)]));
+        // Six standard errors 1/√n of an r; of means that were not taken off, 3/8 away from ½, it would be 27/28.
+        assert!(tally.correlation().abs() < 6.0 / 20_000.0_f64.sqrt(), "{}", tally.correlation());
+    }
+
+    #[test]
     fn repeated_numbers_and_their_opposites_are_rejected() {
         let mut same = Tally::new("same");
         let mut opposite = Tally::new("opposite");
