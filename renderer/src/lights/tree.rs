@@ -206,6 +206,15 @@ mod tests {
         }
     }
 
+    #[test]
+    fn importance_is_the_cosine_at_the_rim_of_the_ball() {
+        let ball = light([0.0; 3], 0.3, [0.0, 0.0, 1.0], true, 2.0);
+        let from = 1.5 * Vec3::new(1.0_f32.sin(), 0.0, 1.0_f32.cos());
+        // One radian off the axis less asin(0.3/1.5), over the distance squared; a few roundings of cosines near ½.
+        let exact = 2.0 / 2.25 * (1.0 - 0.2_f32.asin()).cos();
+        assert!((ball.importance(from) - exact).abs() < 8.0 * f32::EPSILON, "{exact}");
+    }
+
     proptest! {
         #[test]
         fn probabilities_are_those_of_the_choice(

@@ -132,6 +132,11 @@ pub fn tinted_glass(eta: f32, transmittance: f32) -> Arc<Material> {
     valid(Material::new_dielectric(eta, gray(1.0), gray(transmittance)))
 }
 
+/// A pane of smooth glass without thickness.
+pub fn thin_glass(eta: f32) -> Arc<Material> {
+    valid(Material::new_thin_dielectric(eta, gray(1.0), gray(1.0)))
+}
+
 /// A black shape that emits the radiance 1 on the side of its normal.
 pub fn lamp(shape: ShapeSettings, to_world: DAffine3) -> ObjectSettings {
     ObjectSettings { radiance: Rgb::WHITE.into(), ..thing(shape, to_world, diffuse(0.0)) }

@@ -14,10 +14,15 @@ use verify::mean::{MeanClaim, joint_control, joint_evidence};
 use super::super::jittered;
 use super::super::lobe::closed_form;
 use crate::bounds;
-use crate::setup::{glass, lamp, radiance, rectangle_at, spot, subject, thing};
+use crate::setup::{glass, lamp, radiance, rectangle_at, spot, subject, thin_glass, thing};
 
 pub(super) fn claims() -> Vec<Claim> {
-    vec![diffuse(), choice(), slab()]
+    vec![
+        diffuse(),
+        choice(),
+        through("fresnel/slab/both-faces", "a slab", slab),
+        through("fresnel/slab/pane", "a pane without thickness", pane),
+    ]
 }
 
 /// Rounding of single precision in means of densities and reflectances: at most 16 roundings of 2⁻²⁴ that all agree.
@@ -108,12 +113,17 @@ fn choice() -> Claim {
 /// Samples a replicate of the slab.
 const SAMPLES: u32 = 256;
 
-/// A slab of glass between an eye and a lamp of radiance 1, and one before a lamp behind the eye.
-fn slabs() -> Result<[Scene; 2], InputError> {
-    let slab = || {
-        let to_world = DAffine3::from_scale(DVec3::new(10.0, 10.0, 0.25));
-        thing(ShapeSettings::Cube, to_world, glass(1.5))
-    };
+fn slab() -> ObjectSettings {
+    thing(ShapeSettings::Cube, DAffine3::from_scale(DVec3::new(10.0, 10.0, 0.25)), glass(1.5))
+}
+
+fn pane() -> ObjectSettings {
+    let sheet = DAffine3::from_scale(DVec3::new(10.0, 10.0, 1.0));
+    thing(ShapeSettings::Rectangle, sheet, thin_glass(1.5))
+}
+
+/// Glass between an eye and a lamp of radiance 1, and before a lamp behind the eye.
+fn scenes(glass: fn() -> ObjectSettings) -> Result<[Scene; 2], InputError> {
     let build = |lamp: ObjectSettings| {
         // Without roulette, which would only add noise: a branch of less than 1/64 is followed by chance as it is. An echo
         // has R = 0.04 times the light of the one before, so a hundred edges leave out 0.04^97 of it.
@@ -126,7 +136,7 @@ fn slabs() -> Result<[Scene; 2], InputError> {
         Scene::new(&spot(
             DVec3::new(0.1, 0.2, -3.0),
             DVec3::new(0.1, 0.2, 0.0),
-            vec![slab(), lamp],
+            vec![glass(), lamp],
             integrator,
         ))
         .map_err(subject)
@@ -136,27 +146,26 @@ fn slabs() -> Result<[Scene; 2], InputError> {
     Ok([build(lamp(ShapeSettings::Rectangle, behind))?, build(lamp(ShapeSettings::Rectangle, at_the_eye))?])
 }
 
-fn slab() -> Claim {
-    let of = |single_face: f64, run: &Run| -> Result<Evidence, InputError> {
+fn through(id: &str, what: &str, glass: fn() -> ObjectSettings) -> Claim {
+    let of = move |single_face: f64, run: &Run| -> Result<Evidence, InputError> {
         let [reflected, through] = both_faces(single_face);
-        let scenes = slabs()?;
+        let scenes = scenes(glass)?;
         joint_evidence(&[about(through), about(reflected)], run, |i, seed| {
             radiance(&scenes[i], SAMPLES, seed)
         })
     };
     let face: f64 = 0.04; // ((1.5 − 1)/(1.5 + 1))²
-    claim(
-        "fresnel/slab/both-faces",
-        "a slab lets (1 − R)/(1 + R) through and reflects 2R/(1 + R), with all its echoes",
-    )
-    .rejects("2.2 × resolution", move |run| {
-        let scenes = slabs()?;
-        let [reflected, through] = both_faces(face);
-        joint_control(&[about(through), about(reflected)], run, |i, seed| radiance(&scenes[i], SAMPLES, seed))
-    })
-    .rejects("one face", move |run| of(face / (2.0 - face), run))
-    .rejects("R 1 % too large", move |run| of(1.01 * face, run))
-    .by(move |run| of(face, run))
+    claim(id, format!("{what} lets (1 − R)/(1 + R) through and reflects 2R/(1 + R), with all its echoes"))
+        .rejects("2.2 × resolution", move |run| {
+            let scenes = scenes(glass)?;
+            let [reflected, through] = both_faces(face);
+            joint_control(&[about(through), about(reflected)], run, |i, seed| {
+                radiance(&scenes[i], SAMPLES, seed)
+            })
+        })
+        .rejects("one face", move |run| of(face / (2.0 - face), run))
+        .rejects("R 1 % too large", move |run| of(1.01 * face, run))
+        .by(move |run| of(face, run))
 }
 
 #[cfg(test)]
