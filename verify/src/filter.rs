@@ -291,6 +291,7 @@ mod tests {
         // Si(π) is the Wilbraham–Gibbs constant; Si(10) from Abramowitz and Stegun, table 5.1.
         assert!((sine_integral(PI) - 1.851_937_051_982_466_2).abs() < 1e-14); // roundings of terms up to 5
         assert!((sine_integral(10.0) - 1.658_347_594_2).abs() < 5e-11); // ten decimals
+        assert_eq!(sine_integral(0.0), 0.0);
     }
 
     /// Three independent routes: the area of a clipped square, the projection–slice theorem, and quadrature in two dimensions.
