@@ -90,7 +90,8 @@ def passes(workshop, words):
 
 def families(workshop, program):
     """The first parts of the claims' names, in the program's order."""
-    done = subprocess.run([str(program), "verify", "--list"], cwd=workshop.copy, capture_output=True, text=True)
+    done = subprocess.run([str(program), "verify", "--list"], cwd=workshop.copy, capture_output=True, text=True,
+                          timeout=PATIENCE, preexec_fn=limit_memory)
     return list(dict.fromkeys(line.split("/")[0] for line in done.stdout.splitlines()))
 
 
@@ -100,16 +101,16 @@ def claims_that_fail(workshop):
     Family after family, up to the first in which one is: a claim that fails has tried again with 21 times the work.
     """
     program = workshop.build()
-    found = families(workshop, program)
-    if not found:
-        return "the program, which cannot list its claims"
-    for family in found:
-        try:
+    try:
+        found = families(workshop, program)
+        if not found:
+            return "the program, which cannot list its claims"
+        for family in found:
             failing = workshop.verify(program, "quick", [f"{family}/*"], PATIENCE)
-        except subprocess.TimeoutExpired:
-            return "the program, which never ends"
-        if failing:
-            return ", ".join(one["claim"] for one in failing[:3])
+            if failing:
+                return ", ".join(one["claim"] for one in failing[:3])
+    except subprocess.TimeoutExpired:
+        return "the program, which never ends"
     return None
 
 
