@@ -8,6 +8,7 @@ use crate::claim::{Evidence, Picture, REJECTION_LEVEL, Resolution, Run};
 use crate::error::InputError;
 use crate::independence::Source;
 use crate::power::{chi_square_critical, chi_square_sf, lambda_lower, lambda_upper};
+use crate::tails::{any_of, shared_level};
 
 /// Columns and rows of a projection.
 const GRID: usize = 16;
@@ -90,7 +91,7 @@ impl Cube {
 
     /// The level of one test, so that all together have `level` (Šidák).
     fn share(&self, level: f64) -> f64 {
-        -((-level).ln_1p() / self.tests()).exp_m1()
+        shared_level(self.tests(), level)
     }
 
     /// How many points a bound takes: so many that right ones are undecided with probability 1e-6.
@@ -155,7 +156,7 @@ impl Cube {
         let least = |a: &&Finding, b: &&Finding| a.p_value.total_cmp(&b.p_value);
         let worst = findings.iter().min_by(least).expect("a cube has at least one pair of axes");
         let largest = findings.iter().map(|f| f.statistic).fold(0.0, f64::max);
-        let joint = -(self.tests() * (-worst.p_value).ln_1p()).exp_m1();
+        let joint = any_of(self.tests(), worst.p_value);
         let limit = |lambda: f64| (lambda / n).sqrt();
         let low = lambda_lower(largest, dof, REJECTION_LEVEL / self.tables.len() as f64);
         let table = &self.tables[self.table_of(worst.axes)];

@@ -6,8 +6,10 @@
 
 mod comparison;
 mod swaps;
+mod tiles;
 
-pub use comparison::{Comparison, Pixels, Pooled, Tiles, compare};
+pub use comparison::{Comparison, Pixels, Pooled, compare};
+pub use tiles::Tiles;
 
 use crate::error::InputError;
 use crate::estimate::Moments;

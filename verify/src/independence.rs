@@ -3,7 +3,7 @@
 use crate::claim::{Evidence, Picture, REJECTION_LEVEL, Resolution, Run};
 use crate::error::InputError;
 use crate::power::chi_square_sf;
-use crate::tails::{normal_quantile, normal_tail, positive};
+use crate::tails::{any_of, normal_quantile, normal_tail, positive, shared_level};
 
 mod joint;
 
@@ -122,7 +122,7 @@ impl IndependenceClaim {
 
 /// The |ρ| that the correlation of `n` pairs shows with power 0.9, in one of `streams` pairs of streams.
 fn resolution(streams: f64, n: u64) -> f64 {
-    let level = -((-REJECTION_LEVEL).ln_1p() / (TESTS * streams)).exp_m1();
+    let level = shared_level(TESTS * streams, REJECTION_LEVEL);
     let shift = normal_quantile(0.5 * level) + normal_quantile(1.0 - POWER);
     (shift / (n as f64 - 3.0).sqrt()).tanh()
 }
@@ -145,8 +145,7 @@ impl Correlation {
 
     /// The p-value of this and the rest of the table, in one of `streams` pairs of streams (Šidák).
     fn joined_with(self, table: &Table, streams: f64) -> f64 {
-        let smallest = self.p_value().min(table.p_value);
-        -(TESTS * streams * (-smallest).ln_1p()).exp_m1()
+        any_of(TESTS * streams, self.p_value().min(table.p_value))
     }
 
     /// Limits of |ρ|, each missed with probability `tail`.

@@ -4,7 +4,7 @@ use crate::claim::{Evidence, Picture, Resolution, Run};
 use crate::error::InputError;
 use crate::estimate::{Estimate, Replicate};
 use crate::seeds::derive;
-use crate::tails::{positive, t_noncentrality, t_quantile, t_tail};
+use crate::tails::{any_of, positive, shared_level, t_noncentrality, t_quantile, t_tail};
 use statrs::distribution::{Beta, ContinuousCDF};
 
 /// Level at which one run rejects "exactly right", and one minus the confidence of the interval.
@@ -157,7 +157,7 @@ pub fn judge(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Result<Evidence
     let mut findings = Vec::with_capacity(claims.len());
     let mut doubts = Vec::new();
     let tests = claims.len() as f64;
-    let mut scale = Scale::at(-((-LEVEL).ln_1p() / tests).exp_m1(), FEWEST_REPLICATES);
+    let mut scale = Scale::at(shared_level(tests, LEVEL), FEWEST_REPLICATES);
     for (claim, replicates) in claims.iter().zip(values) {
         if replicates.len() as u64 != scale.replicates {
             scale = Scale::at(scale.level, replicates.len() as u64);
@@ -180,7 +180,7 @@ pub fn judge(claims: &[MeanClaim], values: &[Vec<Replicate>]) -> Result<Evidence
         n: values.iter().map(|replicates| replicates.len() as u64).sum(),
         statistic: worst.t,
         dof: Some(worst.dof),
-        p_value: -(tests * (-worst.p_value).ln_1p()).exp_m1(),
+        p_value: any_of(tests, worst.p_value),
         estimate: largest(|f| f.defect),
         interval: [largest(|f| f.defect - f.half_width), largest(|f| f.defect + f.half_width)],
         bound: claims.iter().map(|claim| claim.bound).fold(f64::INFINITY, f64::min),

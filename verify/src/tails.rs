@@ -86,6 +86,16 @@ fn bisect([mut low, mut high]: [f64; 2], above: impl Fn(f64) -> bool) -> f64 {
     }
 }
 
+/// The probability that the smallest of `tests` independent p-values is at most `smallest` (Šidák 1967, 10.2307/2283989).
+pub(crate) fn any_of(tests: f64, smallest: f64) -> f64 {
+    -(tests * (-smallest).ln_1p()).exp_m1()
+}
+
+/// The level of each of `tests` independent tests that together have `level`: the inverse of [`any_of`].
+pub(crate) fn shared_level(tests: f64, level: f64) -> f64 {
+    -((-level).ln_1p() / tests).exp_m1()
+}
+
 /// Refuses a parameter that is not above zero and finite.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), InputError> {
     if value > 0.0 && value.is_finite() {

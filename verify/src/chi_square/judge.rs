@@ -9,6 +9,7 @@ use crate::error::InputError;
 use crate::goodness::Fit;
 use crate::histogram::{Histogram, coarsen};
 use crate::power::{chi_square_critical, lambda_lower, lambda_upper, noncentral_cdf};
+use crate::tails::{any_of, shared_level};
 
 /// Probability that a right sampler stays undecided.
 const UNDECIDED: f64 = 1e-6;
@@ -74,15 +75,14 @@ pub(super) fn smooth_resolution(expected: &Expected, n: u64) -> f64 {
 /// The RMS relative error that one of the tests shows with power 0.9 at its share of the level.
 fn least_seen(expected: &Expected, test: Pearson, n: u64) -> f64 {
     let tests = CELL_TESTS + special(expected, None).len();
-    let level = -((-REJECTION_LEVEL).ln_1p() / tests as f64).exp_m1(); // the inverse of `any`
+    let level = shared_level(tests as f64, REJECTION_LEVEL);
     let dof = test.dof.max(1.0);
     (lambda_lower(chi_square_critical(level, dof), dof, POWER) / n as f64).sqrt()
 }
 
-/// The probability that the smallest of independent p-values is as small (Šidák).
+/// The probability that the smallest of independent p-values is as small.
 fn any(p_values: &[f64]) -> f64 {
-    let smallest = p_values.iter().copied().fold(1.0, f64::min);
-    -(p_values.len() as f64 * (-smallest).ln_1p()).exp_m1()
+    any_of(p_values.len() as f64, p_values.iter().copied().fold(1.0, f64::min))
 }
 
 fn degrees_of_freedom(expected: &Expected) -> f64 {

@@ -214,7 +214,7 @@ const TALLIES: Kind = Kind {
 
 const SHARE: Kind = Kind {
     name: "share of misses",
-    says: "700 trials that never miss; defect: a share of misses",
+    says: "700 trials that never miss, so that nothing is left to chance and p is 1; defect: a share of misses",
     null: Null::Never,
     trial: |seed, share| {
         let stream = Stream::of(seed);

@@ -106,12 +106,13 @@ fn describe(words: &mut Words, comparison: &Comparison) -> std::io::Result<()> {
     )?;
     writeln!(
         words,
-        "  {} tiles  chi-square {}, p {}; worst is number {}, p {}",
+        "  {} tiles  worst is number {}, p {}; chi-square of the {} {}, p {}",
         tiles.count,
-        known(tiles.chi_square),
-        p(tiles.chi_square_p_value),
         tiles.worst,
-        p(tiles.worst_p_value)
+        probability(tiles.worst_p_value),
+        if tiles.worst_p_value.is_some() { "others" } else { "contrasts" },
+        known(tiles.chi_square),
+        probability(tiles.chi_square_p_value)
     )?;
     writeln!(
         words,
@@ -192,9 +193,9 @@ impl Json {
             tiles: TilesJson {
                 count: tiles.count,
                 worst: tiles.worst,
-                worst_p_value: known(tiles.worst_p_value),
+                worst_p_value: tiles.worst_p_value.and_then(known),
                 chi_square: known(tiles.chi_square),
-                chi_square_p_value: known(tiles.chi_square_p_value),
+                chi_square_p_value: tiles.chi_square_p_value.and_then(known),
             },
             pixels: PixelsJson {
                 count: pixels.count,
