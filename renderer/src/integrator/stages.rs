@@ -122,11 +122,12 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
         }
     }
     let Some(light) = scene.lights.background() else { return };
+    let pmf = scene.lights.pmf_background();
     for index in 0..batch.paths.len() {
         if batch.hits[index].is_none() {
             let path = batch.paths[index];
             let direction = path.ray.direction;
-            let pdf = scene.lights.pmf_far() * light.pdf_escaped(direction);
+            let pdf = pmf * light.pdf_escaped(direction);
             let weight = found_weight(strategy, path.pdf, pdf);
             batch.add(path.sample, path.throughput * light.radiance_escaped(direction) * weight);
         }
@@ -205,7 +206,7 @@ fn towards(scene: &Scene, path: &Path, surface: &Surface, wi: Vec3, with_pdf: bo
 /// For each of `lit` the probability of the light chosen and a point on it.
 fn points_on_lights(scene: &Scene, lit: &[&Surface], draws: &Draws) -> (Vec<f32>, Vec<Option<LightSample>>) {
     let mut found = Vec::with_capacity(lit.len());
-    if let [only] = scene.lights.as_slice() {
+    if let Some(only) = scene.lights.only() {
         let from: Vec<&Interaction> = lit.iter().map(|surface| &surface.interaction).collect();
         only.sample_each(&scene.accel, &from, &draws.points, &mut found);
         return (vec![1.0; lit.len()], found);

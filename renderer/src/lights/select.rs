@@ -11,7 +11,8 @@ use crate::shapes::Shape;
 /// All lights of a scene.
 ///
 /// Lights in a place are chosen by a tree, about in proportion to what they can send to a point; those beyond all shapes
-/// have the same share each as all others together.
+/// have the same share each as all others together. Nothing is connected to a sky of one radiance where a path's own rays
+/// find it: directions of a material's own density leave nothing but shadows to vary.
 ///
 /// # Source
 /// Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting",
@@ -21,36 +22,47 @@ pub struct Lights {
     lights: Vec<Light>,
     background: Option<usize>,
     tree: Tree,
-    /// Lights beyond all shapes.
+    /// Lights beyond all shapes that paths are connected to.
     far: Vec<u32>,
+    /// The light that paths are connected to, if it is the only one.
+    only: Option<u32>,
 }
 
 impl Lights {
     /// The set of `lights`, whose shapes are the objects of `accel`.
     ///
-    /// * `shutter`: when it opens and closes.
-    pub fn new(lights: Vec<Light>, accel: &Accel, shutter: [f64; 2]) -> Self {
+    /// * `shutter`: when it opens and closes; `finds_sky`: whether paths that leave the scene count all of a constant light.
+    pub fn new(lights: Vec<Light>, accel: &Accel, shutter: [f64; 2], finds_sky: bool) -> Self {
         let background = lights.iter().position(Light::is_background);
         let extents: Vec<Option<Extent>> = lights.iter().map(|light| extent(light, accel, shutter)).collect();
         let indexed = || (0_u32..).zip(&extents);
-        let near = indexed().filter_map(|(i, extent)| extent.map(|e| (i, e))).collect();
-        let far = indexed().filter(|(_, extent)| extent.is_none()).map(|(i, _)| i).collect();
-        Self { tree: Tree::new(near, lights.len()), lights, background, far }
+        let near: Vec<_> = indexed().filter_map(|(i, extent)| extent.map(|e| (i, e))).collect();
+        let is_found = |i: u32| finds_sky && matches!(lights[i as usize], Light::Constant { .. });
+        let far: Vec<u32> = indexed().filter(|&(i, e)| e.is_none() && !is_found(i)).map(|(i, _)| i).collect();
+        let mut connected = near.iter().map(|(i, _)| *i).chain(far.iter().copied());
+        let only = connected.next().filter(|_| connected.next().is_none());
+        Self { tree: Tree::new(near, lights.len()), lights, background, far, only }
     }
 
-    /// Whether there are none.
+    /// Whether paths are connected to none.
     pub fn is_empty(&self) -> bool {
-        self.lights.is_empty()
+        self.far.is_empty() && self.tree.is_empty()
     }
 
     /// Whether a choice is to be made.
     pub fn needs_choice(&self) -> bool {
-        self.lights.len() > 1
+        self.only.is_none() && !self.is_empty()
     }
 
     /// Whether a point on any of them is to be decided.
     pub fn have_extent(&self) -> bool {
-        self.lights.iter().any(Light::has_extent)
+        self.lights.iter().any(|light| matches!(light, Light::Area(_)))
+            || self.far.iter().any(|&far| self.get(far).has_extent())
+    }
+
+    /// The light that paths are connected to, if it is the only one.
+    pub fn only(&self) -> Option<&Light> {
+        self.only.map(|light| self.get(light))
     }
 
     /// Whether points on the lights alone give an estimate of direct light on a diffuse surface that varies little for what is
@@ -74,8 +86,14 @@ impl Lights {
         self.background.map(|i| &self.lights[i])
     }
 
-    /// The probability of each light beyond all shapes, and of all others together.
-    pub fn pmf_far(&self) -> f32 {
+    /// The probability with which [`Self::choose`] takes the light beyond all shapes.
+    pub fn pmf_background(&self) -> f32 {
+        let is_chosen = self.far.iter().any(|&far| self.background == Some(far as usize));
+        if is_chosen { self.share() } else { 0.0 }
+    }
+
+    /// The probability of each light beyond all shapes that is chosen at times, and of all others together.
+    fn share(&self) -> f32 {
         let groups = self.far.len() + usize::from(!self.tree.is_empty());
         1.0 / groups as f32
     }
@@ -83,12 +101,12 @@ impl Lights {
     /// The light for `u` in [0, 1) where `from` is lit, and its probability.
     ///
     /// # Panics
-    /// Without lights.
+    /// Without any to connect to.
     pub fn choose(&self, u: f32, from: Vec3) -> (&Light, f32) {
-        if let [only] = self.lights.as_slice() {
+        if let Some(only) = self.only() {
             return (only, 1.0);
         }
-        let share = self.pmf_far();
+        let share = self.share();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -108,7 +126,7 @@ impl Lights {
 
     /// The probability with which [`Self::choose`] takes a light that has a place.
     pub fn pmf(&self, light: u32, from: Vec3) -> f32 {
-        if self.lights.len() == 1 { 1.0 } else { self.pmf_far() * self.tree.pmf(light, from) }
+        if self.only.is_some() { 1.0 } else { self.share() * self.tree.pmf(light, from) }
     }
 }
 
@@ -159,10 +177,25 @@ mod tests {
     use crate::math::Rgb;
 
     #[test]
+    fn a_constant_sky_is_not_connected_to_where_paths_find_it() {
+        let sky = Light::Constant { radiance: Rgb::WHITE };
+        let point = Light::Point { position: Vec3::Y, intensity: Rgb::WHITE };
+        let none = Accel::new(Vec::new(), [0.0; 2]);
+        let [found, connected] =
+            [true, false].map(|finds| Lights::new(vec![sky.clone(), point.clone()], &none, [0.0; 2], finds));
+        assert_eq!((found.only(), found.background()), (Some(&point), Some(&sky)));
+        assert_eq!((found.pmf_background(), found.pmf(1, Vec3::ZERO)), (0.0, 1.0));
+        assert!(!found.needs_choice() && !found.have_extent() && !found.is_empty());
+        assert_eq!((connected.only(), connected.pmf_background()), (None, 0.5));
+        assert!(connected.needs_choice() && connected.have_extent());
+        assert!(Lights::new(vec![sky], &none, [0.0; 2], true).is_empty());
+    }
+
+    #[test]
     fn the_last_number_below_one_chooses_the_last_light() {
         let light = |r| Light::Constant { radiance: Rgb::splat(r) };
         let none = Accel::new(Vec::new(), [0.0; 2]);
-        let lights = Lights::new(vec![light(1.0), light(2.0), light(3.0)], &none, [0.0; 2]);
+        let lights = Lights::new(vec![light(1.0), light(2.0), light(3.0)], &none, [0.0; 2], false);
         assert_eq!(lights.choose(1.0 - f32::EPSILON / 2.0, Vec3::ZERO), (&light(3.0), 1.0 / 3.0));
         assert_eq!(lights.choose(0.0, Vec3::ZERO), (&light(1.0), 1.0 / 3.0));
     }
