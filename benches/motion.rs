@@ -1,6 +1,7 @@
 //! Boxes that a ray meets, and time a ray, against how far objects move, for each way to index them.
 //!
-//! The last column is the time in units of that for the same cubes without a motion, of turns of both.
+//! The last column is the time in units of that for the same cubes without a motion, of turns of both. A second table is that of
+//! renders of the moving cubes under a sky, in units of those at rest.
 //! `cargo bench -p benches --bench motion`: a table, and the picture `target/tmp/motion.svg` beside the model.
 
 use std::f64::consts::PI;
@@ -12,13 +13,21 @@ use plotters::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use renderer::accel::{Accel, MotionIndex, Object};
+use renderer::integrator::PathTracer;
+use renderer::io::read_scene;
 use renderer::math::transform::Motion;
 use renderer::ray::Ray;
-use renderer::sampling::warp;
+use renderer::render::{RenderSettings, render};
+use renderer::sampling::{SamplerKind, warp};
+use renderer::scene::Scene;
 use renderer::shapes::{Shape, ShapeSettings};
 
 /// Lengths of the motion in sides of the cubes.
 const LENGTHS: [f64; 8] = [0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 6.0, 8.0];
+
+/// Pixels each way and samples a pixel of a render.
+const SIDE: u32 = 64;
+const SAMPLES: u32 = 64;
 
 /// Turns of the moving and the still scene.
 const ROUNDS: usize = 5;
@@ -68,6 +77,15 @@ fn main() {
         }
         curves.push((name, curve));
     }
+    println!("\n{:>33} {:>9} {:>8}", "length", "ns", "to still");
+    let still = scene(&places, &ways, 0.0);
+    for m in LENGTHS {
+        let moving = scene(&places, &ways, m);
+        let turns: Vec<[f64; 2]> = (0..ROUNDS).map(|_| [rendered(&moving), rendered(&still)]).collect();
+        let ns = median(turns.iter().map(|turn| turn[0]).collect());
+        let ratio = median(turns.iter().map(|turn| turn[0] / turn[1]).collect());
+        println!("{:26} {m:6} {ns:9.0} {ratio:8.2}", "render, a sample");
+    }
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("motion.svg");
     match draw(&path, &curves) {
         Ok(()) => println!("drawn in {}", path.display()),
@@ -107,6 +125,47 @@ fn cube(place: DVec3, way: DVec3) -> Object {
 fn resting(place: DVec3) -> Object {
     let map = DAffine3::from_translation(place) * DAffine3::from_scale(DVec3::splat(0.5));
     Object::still(Shape::new(&ShapeSettings::Cube, &map, false).expect("a regular shape"))
+}
+
+/// The cubes under a sky, seen from outside, paths of up to three edges; on a way of 0 they rest.
+fn scene(places: &[DVec3], ways: &[DVec3], m: f64) -> Scene {
+    let key = |time: f64, p: DVec3| {
+        let place = format!("<translate x=\"{}\" y=\"{}\" z=\"{}\"/>", p.x, p.y, p.z);
+        format!("<transform time=\"{time}\"><scale value=\"0.5\"/>{place}</transform>")
+    };
+    let cube = |(place, way): (&DVec3, &DVec3)| {
+        let keys = [(0.0, -0.5), (1.0, 0.5)].map(|(time, s)| key(time, *place + *way * m * s)).concat();
+        format!(
+            "<shape type=\"cube\"><animation name=\"to_world\">{keys}</animation><bsdf type=\"diffuse\"/></shape>"
+        )
+    };
+    let cubes: String = places.iter().zip(ways).map(cube).collect();
+    let text = format!(
+        "<scene version=\"3.0.0\"><integrator type=\"path\"><integer name=\"max_depth\" value=\"3\"/></integrator>
+         <sensor type=\"perspective\"><float name=\"fov\" value=\"45\"/>
+         <float name=\"shutter_open\" value=\"0\"/><float name=\"shutter_close\" value=\"1\"/>
+         <transform name=\"to_world\"><lookat origin=\"0, 0, 50\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform>
+         <film type=\"hdrfilm\"><integer name=\"width\" value=\"{SIDE}\"/><integer name=\"height\" value=\"{SIDE}\"/>
+         <rfilter type=\"box\"/></film></sensor>{cubes}<emitter type=\"constant\"/></scene>"
+    );
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("motion.xml");
+    std::fs::write(&path, text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let (description, _) = read_scene(&path, &[]).unwrap_or_else(|error| panic!("it is valid: {error}"));
+    Scene::new(&description).unwrap_or_else(|error| panic!("it is valid: {error}"))
+}
+
+/// Nanoseconds of processor time that a sample takes.
+fn rendered(scene: &Scene) -> f64 {
+    let integrator = PathTracer { settings: scene.integrator };
+    let settings =
+        RenderSettings { sampler: SamplerKind::Sobol, samples: SAMPLES, replicates: 1, seed: 0, threads: 0 };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    let seconds = pool.install(|| {
+        let start = busy();
+        render(scene, &integrator, &settings, &|_| ()).expect("valid settings");
+        busy() - start
+    });
+    seconds * 1e9 / f64::from(SIDE * SIDE * SAMPLES)
 }
 
 fn draw(path: &Path, curves: &[(&str, Vec<(f64, f64)>)]) -> Result<(), Box<dyn std::error::Error>> {

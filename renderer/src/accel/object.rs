@@ -1,10 +1,10 @@
 //! A shape and how it moves.
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::math::transform::Motion;
+use crate::math::transform::{Motion, Pose};
 use crate::ray::Ray;
 use crate::shapes::{Shape, ShapeHit};
 
@@ -39,23 +39,18 @@ impl Object {
     pub fn to_object(&self, ray: &Ray) -> Ray {
         match &self.motion {
             None => *ray,
-            Some(motion) => {
-                let inverse = motion.inverse_at(f64::from(ray.time));
-                Ray {
-                    origin: inverse.transform_point3(ray.origin.as_dvec3()).as_vec3(),
-                    direction: inverse.transform_vector3(ray.direction.as_dvec3()).as_vec3(),
-                    ..*ray
-                }
-            }
+            Some(motion) => to_own(&motion.pose(f64::from(ray.time)), ray),
         }
     }
 
     /// The surface in the render frame at a hit of `ray`.
     pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
-        let surface = self.shape.surface(element, hit, &self.to_object(ray));
         match &self.motion {
-            None => surface,
-            Some(motion) => moved(&surface, &motion.at(f64::from(ray.time))),
+            None => self.shape.surface(element, hit, ray),
+            Some(motion) => {
+                let pose = motion.pose(f64::from(ray.time));
+                moved(&self.shape.surface(element, hit, &to_own(&pose, ray)), &pose)
+            }
         }
     }
 
@@ -75,7 +70,7 @@ impl Object {
         match &self.motion {
             None => (surface, self.pdf_area(surface.ng, time)),
             Some(motion) => {
-                let surface = moved(&surface, &motion.at(f64::from(time)));
+                let surface = moved(&surface, &motion.pose(f64::from(time)));
                 (surface, self.pdf_area(surface.ng, time))
             }
         }
@@ -118,10 +113,19 @@ impl Object {
     }
 }
 
+/// A ray in the space that `pose` maps to the render frame.
+fn to_own(pose: &Pose, ray: &Ray) -> Ray {
+    Ray {
+        origin: (pose.inverse * (ray.origin.as_dvec3() - pose.map.translation)).as_vec3(),
+        direction: (pose.inverse * ray.direction.as_dvec3()).as_vec3(),
+        ..*ray
+    }
+}
+
 /// The image of a point of a surface, with the error bound that holds for rays traced in the shape's own space.
-fn moved(surface: &SurfacePoint, map: &DAffine3) -> SurfacePoint {
+fn moved(surface: &SurfacePoint, Pose { map, inverse }: &Pose) -> SurfacePoint {
     let m = map.matrix3;
-    let normal_map = m.inverse().transpose();
+    let normal_map = inverse.transpose();
     let turn = |n: Vec3| (normal_map * n.as_dvec3()).normalize().as_vec3();
     let own = surface.point.as_dvec3();
     let point = map.transform_point3(own).as_vec3();

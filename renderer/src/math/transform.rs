@@ -26,8 +26,18 @@ struct Key {
     stretch: DMat3,
     /// The inverse of the affine map's matrix.
     inverse: DMat3,
-    /// Whether only the translation changes until the next key.
+    /// Whether nothing, or only the translation, changes until the next key.
+    rests: bool,
     shifts: bool,
+}
+
+/// A map of a motion, ready to be applied both ways.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// The map.
+    pub map: DAffine3,
+    /// The inverse of its matrix.
+    pub inverse: DMat3,
 }
 
 /// Largest turn of a piece of the motion whose ends' boxes are joined [rad]: the joint box is then padded by at most
@@ -67,7 +77,9 @@ impl Motion {
             }
         }
         for key in 1..keys.len() {
-            keys[key - 1].shifts = keys[key - 1].affine.matrix3 == keys[key].affine.matrix3;
+            let [from, to] = [keys[key - 1].affine, keys[key].affine];
+            keys[key - 1].rests = from == to;
+            keys[key - 1].shifts = from.matrix3 == to.matrix3;
         }
         Ok(Self { keys })
     }
@@ -81,18 +93,22 @@ impl Motion {
     ///
     /// A key's own transform comes back bit for bit at the key's time, and at all times if all keys are equal.
     pub fn at(&self, time: f64) -> DAffine3 {
-        let (from, to) = self.segment(time);
-        to.map_or(from.affine, |to| from.mix(to, (time - from.time) / (to.time - from.time)))
+        self.found(time).0
     }
 
-    /// The inverse of `at(time)`; that of its matrix is made once where only the translation changes.
-    pub fn inverse_at(&self, time: f64) -> DAffine3 {
-        let map = self.at(time);
+    /// What `at(time)` gives with its inverse, which is made once where only the translation changes.
+    pub fn pose(&self, time: f64) -> Pose {
+        let (map, inverse) = self.found(time);
+        Pose { map, inverse: inverse.unwrap_or_else(|| map.matrix3.inverse()) }
+    }
+
+    /// The transform at `time`, and the inverse of its matrix where that is a key's.
+    #[inline]
+    fn found(&self, time: f64) -> (DAffine3, Option<DMat3>) {
         let (from, to) = self.segment(time);
-        if to.is_some() && !from.shifts {
-            return map.inverse();
-        }
-        DAffine3 { matrix3: from.inverse, translation: -(from.inverse * map.translation) }
+        let Some(to) = to else { return (from.affine, Some(from.inverse)) };
+        let map = from.mix(to, (time - from.time) / (to.time - from.time));
+        (map, from.shifts.then_some(from.inverse))
     }
 
     /// The key before `time` and the one after; without the latter the motion rests at the former.
@@ -188,11 +204,11 @@ impl Key {
         check_affine("transform", &affine)?;
         let (rotation, stretch) = polar(affine.matrix3);
         let (translation, inverse) = (affine.translation, affine.matrix3.inverse());
-        Ok(Self { time, affine, translation, rotation, stretch, inverse, shifts: false })
+        Ok(Self { time, affine, translation, rotation, stretch, inverse, rests: false, shifts: false })
     }
 
     fn mix(&self, to: &Self, s: f64) -> DAffine3 {
-        if s <= 0.0 || self.affine == to.affine {
+        if s <= 0.0 || self.rests {
             return self.affine;
         }
         if s >= 1.0 {
