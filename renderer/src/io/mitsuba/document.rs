@@ -198,6 +198,8 @@ pub(super) fn load(
 struct Source<'t> {
     file: Rc<Path>,
     text: &'t str,
+    /// Whether each byte is a character, which need not be counted then: a file may be one long line.
+    is_ascii: bool,
     lines: Vec<usize>,
 }
 
@@ -205,7 +207,8 @@ impl Source<'_> {
     fn place(&self, offset: usize) -> Place {
         let line = self.lines.partition_point(|&start| start <= offset);
         let start = self.lines[line - 1];
-        let column = self.text.get(start..offset).map_or(0, |before| before.chars().count()) + 1;
+        let before = self.text.get(start..offset).unwrap_or_default();
+        let column = if self.is_ascii { before.len() } else { before.chars().count() } + 1;
         let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         Place { file: self.file.clone(), line: number(line), column: number(column) }
     }
@@ -225,7 +228,8 @@ impl Loader<'_> {
             whole(at.row, at.col).refuse(format!("{error}; well-formed XML is accepted"))
         })?;
         let starts = text.bytes().enumerate().filter(|&(_, b)| b == b'\n').map(|(i, _)| i + 1);
-        let source = Source { file: file.clone(), text, lines: std::iter::once(0).chain(starts).collect() };
+        let lines = std::iter::once(0).chain(starts).collect();
+        let source = Source { file: file.clone(), text, is_ascii: text.is_ascii(), lines };
         self.open.push(path.canonicalize().unwrap_or_else(|_| path.into()));
         let root = xml.root_element();
         match parent {
