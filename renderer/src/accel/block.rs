@@ -7,7 +7,7 @@ use super::node::{SLACK, WIDTH, limit, prefetch};
 use super::walk::Mode;
 use crate::ray::Ray;
 
-/// A block as it lies in memory: coordinates by vertex and axis, NaN in lanes without a triangle, and its `Summary`.
+/// A block as it lies in memory: coordinates by vertex and axis, NaN in lanes that are empty or of another item, and its `Summary`.
 pub(super) type BlockMemory = [f32x16; 5];
 
 /// What is known of a block as a whole, as it lies in memory.
@@ -77,17 +77,23 @@ impl<'a> BlockRef<'a> {
         self.summary().first as usize
     }
 
-    /// The triangle in a lane; `None` for another item.
+    /// Whether it holds triangles, and not another item.
     #[inline]
-    pub(super) fn triangle(self, lane: u32) -> Option<[Vec3; 3]> {
+    pub(super) fn has_triangles(self) -> bool {
+        self.summary().has_triangles
+    }
+
+    /// The triangle in a lane that is taken.
+    #[inline]
+    pub(super) fn triangle(self, lane: u32) -> [Vec3; 3] {
         let lane = lane as usize % WIDTH;
         let coordinate = |index: usize| self.0[index].as_array()[lane];
         let corner = |v: usize| Vec3::new(coordinate(v), coordinate(v + 1), coordinate(v + 2));
         // Not by `map`, which isn't inlined.
-        (!coordinate(0).is_nan()).then(|| [corner(0), corner(3), corner(6)])
+        [corner(0), corner(3), corner(6)]
     }
 
-    /// The lanes that the ray may hit, as bits: none that it hits is left out, and few others are in. And the lanes of
+    /// The lanes of triangles that the ray may hit, as bits: none that it hits is left out, and few others are in. And the lanes of
     /// triangles that it hits for certain.
     ///
     /// * `probe`: the ray prepared for triangles, made where it is needed first.
@@ -106,16 +112,8 @@ impl<'a> BlockRef<'a> {
     /// A hit lies between the nearest and the farthest vertex, whose distances have three roundings here: within `SLACK`.
     #[inline]
     pub(super) fn candidates<M: Mode>(self, ray: &Ray, probe: &mut Option<Probe>) -> (u32, u32) {
-        let summary = self.summary();
-        if !summary.has_triangles {
-            return (summary.lanes, 0);
-        }
-        self.triangles::<M>(probe.get_or_insert_with(|| Probe::new(ray)), ray.t_max)
-    }
-
-    #[inline]
-    fn triangles<M: Mode>(self, probe: &Probe, t_max: f32) -> (u32, u32) {
         const UNIT: f32 = f32::EPSILON / 2.0;
+        let (probe, t_max) = (probe.get_or_insert_with(|| Probe::new(ray)), ray.t_max);
         let [i, j, k] = probe.axes;
         let (sx, sy) = (f32x8::splat(probe.shear[0]), f32x8::splat(probe.shear[1]));
         let [ox, oy, oz] = probe.origin;

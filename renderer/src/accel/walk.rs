@@ -137,6 +137,18 @@ impl Search {
     #[inline]
     pub(super) fn leaf<M: Mode>(&mut self, tree: &Tree, leaf: usize, context: &mut Context) {
         let block = tree.block(leaf);
+        if !block.has_triangles() {
+            // Such an item has a leaf of its own.
+            let index = block.first();
+            if let Some(hit) = tree.group.other(index, &self.ray, context) {
+                if M::ANY {
+                    self.is_blocked = true;
+                } else {
+                    self.take(tree.group, hit);
+                }
+            }
+            return;
+        }
         let (mut lanes, certain) = block.candidates::<M>(&self.ray, &mut self.probe);
         if M::ANY && certain != 0 {
             self.is_blocked = true;
@@ -146,19 +158,13 @@ impl Search {
             let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;
             let index = block.first() + lane as usize;
-            let hit = match block.triangle(lane) {
-                Some(vertices) => {
-                    let sheared = self.sheared.get_or_insert_with(|| ShearedRay::new(&self.ray));
-                    sheared.hit(&vertices, self.ray.t_max).map(|hit| Found::Item(index, hit))
-                }
-                None => tree.group.other(index, &self.ray, context),
-            };
-            if let Some(hit) = hit {
+            let sheared = self.sheared.get_or_insert_with(|| ShearedRay::new(&self.ray));
+            if let Some(hit) = sheared.hit(&block.triangle(lane), self.ray.t_max) {
                 if M::ANY {
                     self.is_blocked = true;
                     return;
                 }
-                self.take(tree.group, hit);
+                self.take(tree.group, Found::Item(index, hit));
             }
         }
     }

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::plane::Plane;
-use super::{ShapeHit, accept, turn};
+use super::{ShapeHit, turn};
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::ray::Ray;
@@ -33,7 +33,7 @@ impl Disk {
         }
         #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
         let uv = [x as f32, y as f32];
-        Some(ShapeHit { t: accept(t, ray.t_max)?, uv })
+        Some(ShapeHit { t, uv })
     }
 
     /// Texture coordinates are the radius and the turn from the x axis.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::rounded;
+use super::{accept, rounded};
 use crate::interaction::SurfacePoint;
 use crate::ray::Ray;
 
@@ -59,16 +59,19 @@ impl Plane {
         self.jacobian
     }
 
-    /// Distance and coordinates of the point where a ray crosses the plane; `None` if it runs parallel.
-    pub(super) fn cross(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {
+    /// Distance and coordinates of the point where a ray crosses the plane, with a distance in (0, `t_max`).
+    #[inline]
+    pub(super) fn cross(&self, ray: &Ray) -> Option<(f32, [f64; 2])> {
         let (o, d) = (ray.origin.as_dvec3() - self.center, ray.direction.as_dvec3());
-        let slope = self.cross.dot(d);
-        if slope == 0.0 {
+        let (height, slope) = (self.cross.dot(o), self.cross.dot(d));
+        // Away from it, or along it: many rays have just left the plane, and pay no quotient.
+        if (height > 0.0) == (slope > 0.0) || slope == 0.0 {
             return None;
         }
-        let t = -self.cross.dot(o) / slope;
+        let t = -height / slope;
+        let distance = accept(t, ray.t_max)?;
         let p = o + d * t;
-        Some((t, [self.dual_a.dot(p), self.dual_b.dot(p)]))
+        Some((distance, [self.dual_a.dot(p), self.dual_b.dot(p)]))
     }
 
     /// The point at (x, y), with texture coordinates `uv`.

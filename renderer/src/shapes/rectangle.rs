@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::plane::Plane;
-use super::{SMALLEST_SOLID_ANGLE, ShapeHit, accept};
+use super::{SMALLEST_SOLID_ANGLE, ShapeHit};
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::ray::Ray;
@@ -32,7 +32,7 @@ impl Rectangle {
         }
         #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
         let uv = [x as f32, y as f32];
-        Some(ShapeHit { t: accept(t, ray.t_max)?, uv })
+        Some(ShapeHit { t, uv })
     }
 
     /// Texture coordinates run over [0, 1]².

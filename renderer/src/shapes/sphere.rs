@@ -60,16 +60,18 @@ impl Sphere {
         Bounds::of([self.center]).grown(DVec3::splat(self.radius))
     }
 
-    fn distances(&self, ray: &Ray) -> Option<[f64; 2]> {
-        let d = ray.direction.as_dvec3();
-        let f = ray.origin.as_dvec3() - self.center;
-        let (a, b) = (d.length_squared(), -f.dot(d));
-        roots(a, b, f.length_squared(), (f + d * (b / a)).length_squared(), self.radius)
-    }
-
     /// The distance at which a ray first meets the sphere; not above 0 if that is behind it.
     fn met(&self, ray: &Ray) -> Option<f64> {
-        self.distances(ray).map(|[near, far]| if near > 0.0 { near } else { far })
+        let d = ray.direction.as_dvec3();
+        let f = ray.origin.as_dvec3() - self.center;
+        let (b, ff) = (-f.dot(d), f.length_squared());
+        // Outside and on the way outwards, like the rays that have just left the sphere.
+        if b < 0.0 && ff > self.radius * self.radius {
+            return None;
+        }
+        let a = d.length_squared();
+        let [near, far] = roots(a, b, ff, (f + d * (b / a)).length_squared(), self.radius)?;
+        Some(if near > 0.0 { near } else { far })
     }
 
     pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
