@@ -22,6 +22,8 @@ from tables import ROOT, commit
 
 HISTORY = ROOT / "references" / "bench" / "history.csv"
 CALIBRATION = "calibration/loop"
+# Estimates that are so many seconds older than the newest are of an earlier run, or of a benchmark that is no more.
+STALE = 6 * 3600
 
 
 class NothingToRead(Exception):
@@ -41,7 +43,8 @@ class Row:
 def estimates(folder):
     """Criterion's mean times under a folder, each with half its interval as a share of it: {id: (ns, share)}."""
     found = {}
-    for path in sorted(folder.glob("**/new/estimates.json")):
+    written = {path: path.stat().st_mtime for path in sorted(folder.glob("**/new/estimates.json"))}
+    for path in (path for path, time in written.items() if time > max(written.values()) - STALE):
         mean = json.loads(path.read_text(encoding="utf-8"))["mean"]
         name = json.loads((path.parent / "benchmark.json").read_text(encoding="utf-8"))["full_id"]
         interval = mean["confidence_interval"]
@@ -95,7 +98,8 @@ def svg(history):
     """The history as a picture: a strip a benchmark, its ratios with their intervals over those of its first commit."""
     benches = sorted({row.bench for row in history})
     commits = list(dict.fromkeys(row.commit for row in history))
-    left, step, height = 260, max(24, 480 // max(1, len(commits))), 34
+    left = 16 + 6 * max((len(bench) for bench in benches), default=0)
+    step, height = max(24, 480 // max(1, len(commits))), 34
     width = left + step * len(commits) + 20
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{40 + height * len(benches)}" '
              f'font-family="sans-serif" font-size="11"><rect width="100%" height="100%" fill="white"/>',

@@ -1,4 +1,5 @@
 import json
+import os
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -50,3 +51,11 @@ def test_the_history_is_read_as_it_was_written_and_drawn(tmp_path):
     assert [(row.commit, row.bench, row.ratio) for row in again] == [("a", "warp/disk", 0.5), ("b", "warp/disk", 0.6)]
     picture = ElementTree.fromstring(track.svg(again))
     assert len(list(picture.iter("{http://www.w3.org/2000/svg}circle"))) == 2
+
+
+def test_what_an_earlier_run_left_is_not_of_this_one(tmp_path):
+    run(tmp_path, "a", 100.0)
+    left = tmp_path / "warp/disk/new/estimates.json"
+    before = left.stat().st_mtime - 2 * track.STALE
+    os.utime(left, (before, before))
+    assert list(track.estimates(tmp_path)) == [track.CALIBRATION]
