@@ -5,11 +5,16 @@ pub mod knot;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use glam::{DAffine3, Vec3};
+use rayon::ThreadPool;
 use renderer::accel::{Accel, Object};
+use renderer::integrator::PathTracer;
 use renderer::ray::Ray;
-use renderer::sampling::{Decision, Independent, SampleId, Sampler, Vertex, warp};
+use renderer::render::{RenderSettings, render};
+use renderer::sampling::{Decision, Independent, SampleId, Sampler, SamplerKind, Vertex, warp};
+use renderer::scene::Scene;
 use renderer::shapes::{MeshData, Shape, ShapeSettings};
 
 /// Rings and segments of the mesh: 2 · 224 · 224 − 2 · 224, about 100,000 triangles.
@@ -25,6 +30,23 @@ pub fn busy() -> f64 {
 pub fn median(mut list: Vec<f64>) -> f64 {
     list.sort_by(f64::total_cmp);
     list.get(list.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Seconds of the clock and of one thread's processor time that a render by `samples` Sobol points a pixel takes.
+///
+/// # Panics
+/// For a number of samples that isn't accepted.
+pub fn rendered(pool: &ThreadPool, scene: &Scene, samples: u32) -> [f64; 2] {
+    let integrator = PathTracer { settings: scene.integrator };
+    let settings =
+        RenderSettings { sampler: SamplerKind::Sobol, samples, replicates: 1, seed: 0, threads: 0 };
+    pool.install(|| {
+        let (start, busy) = (Instant::now(), busy());
+        render(scene, &integrator, &settings, &|_| ())
+            .unwrap_or_else(|error| panic!("the settings are valid: {error}"));
+        let seconds = start.elapsed().as_secs_f64();
+        [seconds, self::busy() - busy]
+    })
 }
 
 /// The reference scene of that name.

@@ -7,18 +7,16 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use benches::{busy, median};
+use benches::{busy, median, rendered};
 use glam::{DAffine3, DVec3, Vec3};
 use plotters::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use renderer::accel::{Accel, MotionIndex, Object};
-use renderer::integrator::PathTracer;
 use renderer::io::read_scene;
 use renderer::math::transform::Motion;
 use renderer::ray::Ray;
-use renderer::render::{RenderSettings, render};
-use renderer::sampling::{SamplerKind, warp};
+use renderer::sampling::warp;
 use renderer::scene::Scene;
 use renderer::shapes::{Shape, ShapeSettings};
 
@@ -63,10 +61,7 @@ fn main() {
         for m in LENGTHS {
             let objects = places.iter().zip(&ways).map(|(place, way)| cube(*place, *way * m)).collect();
             let accel = Accel::indexed(objects, [0.0, 1.0], index);
-            let turns = (0..ROUNDS).map(|_| [time(&accel, &rays), time(&still, &rays)]);
-            let turns: Vec<[f64; 2]> = turns.collect();
-            let ns = median(turns.iter().map(|turn| turn[0]).collect());
-            let ratio = median(turns.iter().map(|turn| turn[0] / turn[1]).collect());
+            let [ns, ratio] = in_turns(|| time(&accel, &rays), || time(&still, &rays));
             let met = accel.boxes_met(&rays)[1] as f64 / rays.len() as f64;
             if m == 0.0 {
                 rest = met;
@@ -78,12 +73,12 @@ fn main() {
         curves.push((name, curve));
     }
     println!("\n{:>33} {:>9} {:>8}", "length", "ns", "to still");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    let sample = |scene: &Scene| rendered(&pool, scene, SAMPLES)[1] * 1e9 / f64::from(SIDE * SIDE * SAMPLES);
     let still = scene(&places, &ways, 0.0);
     for m in LENGTHS {
         let moving = scene(&places, &ways, m);
-        let turns: Vec<[f64; 2]> = (0..ROUNDS).map(|_| [rendered(&moving), rendered(&still)]).collect();
-        let ns = median(turns.iter().map(|turn| turn[0]).collect());
-        let ratio = median(turns.iter().map(|turn| turn[0] / turn[1]).collect());
+        let [ns, ratio] = in_turns(|| sample(&moving), || sample(&still));
         println!("{:26} {m:6} {ns:9.0} {ratio:8.2}", "render, a sample");
     }
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("motion.svg");
@@ -91,6 +86,13 @@ fn main() {
         Ok(()) => println!("drawn in {}", path.display()),
         Err(error) => println!("{}: {error}", path.display()),
     }
+}
+
+/// Medians over turns: of what `one` takes, and of that in units of what `other` takes.
+fn in_turns(one: impl Fn() -> f64, other: impl Fn() -> f64) -> [f64; 2] {
+    let turns: Vec<[f64; 2]> = (0..ROUNDS).map(|_| [one(), other()]).collect();
+    let middle = |of: fn(&[f64; 2]) -> f64| median(turns.iter().map(of).collect());
+    [middle(|turn| turn[0]), middle(|turn| turn[0] / turn[1])]
 }
 
 /// Nanoseconds of processor time a ray.
@@ -152,20 +154,6 @@ fn scene(places: &[DVec3], ways: &[DVec3], m: f64) -> Scene {
     std::fs::write(&path, text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let (description, _) = read_scene(&path, &[]).unwrap_or_else(|error| panic!("it is valid: {error}"));
     Scene::new(&description).unwrap_or_else(|error| panic!("it is valid: {error}"))
-}
-
-/// Nanoseconds of processor time that a sample takes.
-fn rendered(scene: &Scene) -> f64 {
-    let integrator = PathTracer { settings: scene.integrator };
-    let settings =
-        RenderSettings { sampler: SamplerKind::Sobol, samples: SAMPLES, replicates: 1, seed: 0, threads: 0 };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    let seconds = pool.install(|| {
-        let start = busy();
-        render(scene, &integrator, &settings, &|_| ()).expect("valid settings");
-        busy() - start
-    });
-    seconds * 1e9 / f64::from(SIDE * SIDE * SAMPLES)
 }
 
 fn draw(path: &Path, curves: &[(&str, Vec<(f64, f64)>)]) -> Result<(), Box<dyn std::error::Error>> {

@@ -5,15 +5,11 @@
 
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use benches::knot::mesh;
-use benches::{busy, median};
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use renderer::integrator::PathTracer;
+use benches::{median, rendered};
+use rayon::ThreadPoolBuilder;
 use renderer::io::read_scene;
-use renderer::render::{RenderSettings, render};
-use renderer::sampling::SamplerKind;
 use renderer::scene::Scene;
 use renderer::shapes::MeshData;
 
@@ -46,26 +42,12 @@ fn measure(name: &str, side: u32, rounds: usize) {
     let samples = f64::from(side) * f64::from(side) * f64::from(SAMPLES);
     let (mut processor, mut one, mut gain) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..rounds {
-        let [first, second] = pools.each_ref().map(|pool| time(pool, &scene));
+        let [first, second] = pools.each_ref().map(|pool| rendered(pool, &scene, SAMPLES));
         processor.push(first[1] * 1e9 / samples);
         one.push(first[0] * 1e9 / samples);
         gain.push(first[0] / second[0]);
     }
     println!("{name:8} {:12.1} {:12.1} {:8.2}", median(processor), median(one), median(gain));
-}
-
-/// Seconds of the clock and of one thread's processor time that a render takes.
-fn time(pool: &ThreadPool, scene: &Scene) -> [f64; 2] {
-    let integrator = PathTracer { settings: scene.integrator };
-    let settings =
-        RenderSettings { sampler: SamplerKind::Sobol, samples: SAMPLES, replicates: 1, seed: 0, threads: 0 };
-    pool.install(|| {
-        let (start, busy) = (Instant::now(), busy());
-        render(scene, &integrator, &settings, &|_| ())
-            .unwrap_or_else(|error| panic!("the settings are valid: {error}"));
-        let seconds = start.elapsed().as_secs_f64();
-        [seconds, self::busy() - busy]
-    })
 }
 
 fn scene(name: &str, side: u32) -> Scene {

@@ -44,7 +44,8 @@ def estimates(folder):
     """Criterion's mean times under a folder, each with half its interval as a share of it: {id: (ns, share)}."""
     found = {}
     written = {path: path.stat().st_mtime for path in sorted(folder.glob("**/new/estimates.json"))}
-    for path in (path for path, time in written.items() if time > max(written.values()) - STALE):
+    newest = max(written.values(), default=0.0)
+    for path in (path for path, time in written.items() if time > newest - STALE):
         mean = json.loads(path.read_text(encoding="utf-8"))["mean"]
         name = json.loads((path.parent / "benchmark.json").read_text(encoding="utf-8"))["full_id"]
         interval = mean["confidence_interval"]

@@ -91,6 +91,11 @@ pub(crate) fn any_of(tests: f64, smallest: f64) -> f64 {
     -(tests * (-smallest).ln_1p()).exp_m1()
 }
 
+/// [`any_of`] of a list of p-values; one that is not a number counts as 1.
+pub(crate) fn any(p_values: &[f64]) -> f64 {
+    any_of(p_values.len() as f64, p_values.iter().copied().fold(1.0, f64::min))
+}
+
 /// The level of each of `tests` independent tests that together have `level`: the inverse of [`any_of`].
 pub(crate) fn shared_level(tests: f64, level: f64) -> f64 {
     -((-level).ln_1p() / tests).exp_m1()

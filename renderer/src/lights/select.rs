@@ -31,14 +31,16 @@ pub struct Lights {
 impl Lights {
     /// The set of `lights`, whose shapes are the objects of `accel`.
     ///
-    /// * `shutter`: when it opens and closes; `finds_sky`: whether paths that leave the scene count all of a constant light.
+    /// * `shutter`: when it opens and closes; `finds_sky`: whether paths that leave the scene count all of a constant background.
     pub fn new(lights: Vec<Light>, accel: &Accel, shutter: [f64; 2], finds_sky: bool) -> Self {
         let background = lights.iter().position(Light::is_background);
         let extents: Vec<Option<Extent>> = lights.iter().map(|light| extent(light, accel, shutter)).collect();
         let indexed = || (0_u32..).zip(&extents);
         let near: Vec<_> = indexed().filter_map(|(i, extent)| extent.map(|e| (i, e))).collect();
-        let is_found = |i: u32| finds_sky && matches!(lights[i as usize], Light::Constant { .. });
-        let far: Vec<u32> = indexed().filter(|&(i, e)| e.is_none() && !is_found(i)).map(|(i, _)| i).collect();
+        let is_found = |&i: &usize| finds_sky && matches!(lights[i], Light::Constant { .. });
+        let found = background.filter(is_found);
+        let is_far = |(i, extent): &(u32, &Option<Extent>)| extent.is_none() && found != Some(*i as usize);
+        let far: Vec<u32> = indexed().filter(is_far).map(|(i, _)| i).collect();
         let mut connected = near.iter().map(|(i, _)| *i).chain(far.iter().copied());
         let only = connected.next().filter(|_| connected.next().is_none());
         Self { tree: Tree::new(near, lights.len()), lights, background, far, only }

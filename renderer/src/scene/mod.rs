@@ -106,7 +106,7 @@ impl Scene {
             lights.extend(bare_light(light, to_frame).map_err(refuse("emitter"))?);
         }
         let accel = Accel::new(objects, [shutter.open, shutter.close]);
-        // Where directions find light too, a path ends beyond all shapes or is followed no further at all.
+        // By light points alone nothing is counted that a path runs into.
         let finds_sky = description.integrator.strategy != Strategy::Light;
         let lights = Lights::new(lights, &accel, [shutter.open, shutter.close], finds_sky);
         let mut scene = Self {

@@ -9,7 +9,7 @@ use crate::error::InputError;
 use crate::goodness::Fit;
 use crate::histogram::{Histogram, coarsen};
 use crate::power::{chi_square_critical, lambda_lower, lambda_upper, noncentral_cdf};
-use crate::tails::{any_of, shared_level};
+use crate::tails::{any, shared_level};
 
 /// Probability that a right sampler stays undecided.
 const UNDECIDED: f64 = 1e-6;
@@ -78,11 +78,6 @@ fn least_seen(expected: &Expected, test: Pearson, n: u64) -> f64 {
     let level = shared_level(tests as f64, REJECTION_LEVEL);
     let dof = test.dof.max(1.0);
     (lambda_lower(chi_square_critical(level, dof), dof, POWER) / n as f64).sqrt()
-}
-
-/// The probability that the smallest of independent p-values is as small.
-fn any(p_values: &[f64]) -> f64 {
-    any_of(p_values.len() as f64, p_values.iter().copied().fold(1.0, f64::min))
 }
 
 fn degrees_of_freedom(expected: &Expected) -> f64 {

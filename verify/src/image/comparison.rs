@@ -3,7 +3,7 @@ use super::{Image, swaps};
 use crate::claim::{Evidence, REJECTION_LEVEL, Resolution, SINGLE_RUN_LEVEL, Verdict};
 use crate::error::InputError;
 use crate::estimate::LARGEST_SHARE;
-use crate::tails::{any_of, positive, shared_level, t_noncentrality};
+use crate::tails::{any, positive, shared_level, t_noncentrality};
 use crate::welch::{Difference, Sum};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -16,6 +16,7 @@ const SKEWED: f64 = 4.0;
 
 /// Level beyond which a pixel counts.
 pub(super) const PIXEL_LEVEL: f64 = 0.01;
+
 /// What a comparison of two images found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
@@ -93,8 +94,8 @@ impl Pixels {
 ///
 /// Error model: a sum over pixels has the sum of their variances and Satterthwaite's degrees of freedom; where seeds are known, the
 /// variance is that of the sum between seeds. Differences are Welch's. The pooled mean, the worst tile and the other tiles are independent
-/// tests (`image/tiles.rs`), so p = 1 − (1 − min p)³ (Šidák), exactly, for images of one channel. Several channels and their sum, whose
-/// dependence nobody states, each have such a p, and the whole has at most the smallest times their number. There is no floor under a
+/// tests (`image/tiles.rs`), so p = 1 − (1 − min p)³ (Šidák) for images of one channel; of few tiles fewer tests are left. Several channels
+/// and their sum, whose dependence nobody states, each have such a p, and the whole has at most the smallest times their number. There is no floor under a
 /// variance: where both are zero, equal means pass and others fail.
 ///
 /// * `bound_percent`: bound on |mean A − mean B|/mean B.
@@ -165,14 +166,15 @@ fn joint(whole: &[Difference], tiles: &[TileTests]) -> [f64; 2] {
     let views = whole.len() as f64;
     let tests = |of: &TileTests| 1.0 + of.p_values().count() as f64;
     let one = |(whole, tiles): (&Difference, &TileTests)| {
-        any_of(tests(tiles), tiles.p_values().fold(whole.p_value().min(1.0), f64::min))
+        any(&tiles.p_values().chain([whole.p_value()]).collect::<Vec<_>>())
     };
     let smallest = whole.iter().zip(tiles).map(one).fold(1.0, f64::min);
     let level = shared_level(tiles.last().map_or(1.0, tests), REJECTION_LEVEL / views);
     [(views * smallest).min(1.0), level]
 }
 
-fn smallest(differences: &[Difference]) -> f64 {
+/// The smallest of the differences' p-values.
+pub(super) fn smallest(differences: &[Difference]) -> f64 {
     differences.iter().map(Difference::p_value).fold(1.0, f64::min)
 }
 

@@ -6,7 +6,7 @@
 //! Of these contrasts the largest is one test, and the sum of the other squares, given that they are smaller, another.
 
 use super::Image;
-use super::comparison::differences;
+use super::comparison::{differences, smallest};
 use crate::power::chi_square_sf;
 use crate::tails::{any_of, normal_tail};
 use crate::welch::Difference;
@@ -52,8 +52,7 @@ impl Differences {
 
     /// What is told of the tiles, from the tests of each view: the last is the sum of all channels.
     pub(super) fn summary(&self, views: &[TileTests]) -> Tiles {
-        let smallest = |tile: &Vec<Difference>| tile.iter().map(Difference::p_value).fold(1.0, f64::min);
-        let p_values: Vec<f64> = self.0.iter().map(smallest).collect();
+        let p_values: Vec<f64> = self.0.iter().map(|tile| smallest(tile)).collect();
         let worst = views.iter().filter_map(|tests| tests.worst).reduce(f64::min);
         let sum = views.last();
         Tiles {
@@ -144,7 +143,7 @@ mod tests {
     use super::*;
     use crate::goodness::kolmogorov_smirnov;
     use crate::seeds::uniform;
-    use crate::tails::normal_quantile;
+    use crate::tails::{any, normal_quantile};
 
     /// Independent standard normal scores, and errors from 1 to 3.
     fn drawn(seed: u64, tiles: usize) -> [Vec<f64>; 2] {
@@ -176,8 +175,7 @@ mod tests {
     /// p of the mean and of the tiles together, from scores.
     fn joint(scores: &[f64], errors: &[f64], contrasts: &[f64]) -> f64 {
         let mean = 2.0 * normal_tail(along(scores, errors).abs());
-        let all: Vec<f64> = TileTests::of(contrasts).p_values().chain([mean]).collect();
-        any_of(all.len() as f64, all.iter().copied().fold(1.0, f64::min))
+        any(&TileTests::of(contrasts).p_values().chain([mean]).collect::<Vec<_>>())
     }
 
     /// With any number of tiles; the control forgets the reflection, so that the tests depend on one another.
