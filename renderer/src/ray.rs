@@ -1,6 +1,9 @@
 //! Rank 2: rays and the records of their hits.
 
 use glam::Vec3;
+use wide::f32x8;
+
+use crate::math::eight::DVec3x8;
 
 /// A half-line, or a segment where `t_max` is finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +28,17 @@ impl Ray {
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }
+}
+
+/// Eight rays side by side, as shapes are tested against them.
+#[derive(Debug, Clone, Copy)]
+pub struct EightRays {
+    /// Where they start.
+    pub origin: DVec3x8,
+    /// Their directions.
+    pub direction: DVec3x8,
+    /// Hits are looked for in (0, `t_max`).
+    pub t_max: f32x8,
 }
 
 /// Where a ray met the scene.

@@ -182,7 +182,8 @@ impl Probe {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::group::{Any, point};
+    use crate::accel::group::point;
+    use crate::accel::walk::Any;
     use crate::shapes::triangle::ShearedRay;
 
     #[test]

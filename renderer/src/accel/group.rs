@@ -9,14 +9,15 @@ use obvhs::bvh2::builder::build_bvh2;
 
 use super::block::{BlockMemory, block};
 use super::collapse::{WideTree, collapse};
+use super::few::{Few, LEAVES, Leaf};
 use super::memory::Array;
 use super::node::{Bounds32, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
 use super::packet::{Packet, RAYS, Waiting};
-use super::walk::{Entry, Found, Mode, Search, Tree, Walker, walk};
+use super::walk::{Any, AnyAhead, Closest, ClosestAhead, Entry, Found, Mode, Search, Tree, Walker, walk};
 use crate::math::bounds::Bounds;
-use crate::ray::{Hit, Ray};
-use crate::shapes::{Shape, ShapeHit};
+use crate::ray::{EightRays, Hit, Ray};
+use crate::shapes::{EightHits, Shape, ShapeHit};
 
 /// One item a leaf, as `collapse` expects. Reinsertion after its own collapse would cost as much as all the rest, and
 /// 2 % of the nodes gain three quarters of what 5 % do.
@@ -32,35 +33,6 @@ const CACHED: usize = 1 << 22;
 
 /// Rays walked in turns; measured in benches/README.md.
 const LANES: usize = 12;
-
-/// Nodes from which on a tree is walked by packets; measured in benches/README.md.
-const PACKETS_FROM: usize = 16;
-
-/// The nearest hit, alone and in turns; any hit, alone and in turns.
-pub(super) struct Closest;
-struct ClosestAhead;
-pub(super) struct Any;
-struct AnyAhead;
-
-impl Mode for Closest {
-    const ANY: bool = false;
-    const PREFETCH: bool = false;
-}
-
-impl Mode for ClosestAhead {
-    const ANY: bool = false;
-    const PREFETCH: bool = true;
-}
-
-impl Mode for Any {
-    const ANY: bool = true;
-    const PREFETCH: bool = false;
-}
-
-impl Mode for AnyAhead {
-    const ANY: bool = true;
-    const PREFETCH: bool = true;
-}
 
 /// What a leaf of a tree holds.
 #[derive(Debug, Clone, Copy)]
@@ -80,6 +52,8 @@ pub(super) struct Group {
     blocks: Array<BlockMemory>,
     /// Object and element of each item in the order of the blocks.
     ids: Array<[u32; 2]>,
+    /// The leaves, if they are few.
+    pub(super) few: Option<Few>,
     /// What a walk's stack may hold.
     stack: usize,
     /// Whether the space is an object's own.
@@ -150,19 +124,27 @@ impl Group {
         let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
         let WideTree { root, nodes, leaf_ends, order, depth } =
             collapse(&binary, &|item| if list[item as usize].triangle.is_some() { 1 } else { 8 });
+        let first = |leaf: usize| if leaf == 0 { 0 } else { leaf_ends[leaf - 1] };
+        let items = |leaf: usize| &order[first(leaf) as usize..leaf_ends[leaf] as usize];
         let leaf = |leaf: usize| {
-            let first = if leaf == 0 { 0 } else { leaf_ends[leaf - 1] };
             let mut lanes = [None; 8];
-            let items = &order[first as usize..leaf_ends[leaf] as usize];
+            let items = items(leaf);
             for (lane, &item) in lanes.iter_mut().zip(items) {
                 *lane = list[item as usize].triangle;
             }
-            block(&lanes[..items.len()], first)
+            block(&lanes[..items.len()], first(leaf))
         };
         let blocks = Array::new(leaf_ends.len(), leaf);
+        let boxed = |index: usize| {
+            let items = items(index).iter().map(|&item| &list[item as usize]);
+            let bounds = items.clone().fold(Bounds::EMPTY, |all, item| all.union(&item.bounds));
+            let has_triangles = items.clone().any(|item| item.triangle.is_some());
+            Leaf { bounds: Bounds32::padded(&bounds), index, first: first(index) as usize, has_triangles }
+        };
+        let few = (leaf_ends.len() <= LEAVES).then(|| Few::new((0..leaf_ends.len()).map(boxed).collect()));
         let nodes = Array::new(nodes.len(), |index| nodes[index].to_memory());
         let ids = Array::new(order.len(), |i| list[order[i] as usize].id);
-        Self { root, nodes, blocks, ids, stack: 7 * depth + 1, is_inner: false }
+        Self { root, nodes, blocks, ids, few, stack: 7 * depth + 1, is_inner: false }
     }
 
     /// The group with its arrays at hand.
@@ -202,13 +184,17 @@ impl Group {
 
     /// Walks rays one after the other and calls `done` with the index of each and what it found.
     #[inline]
-    fn walk_each<M: Mode>(&self, rays: &[Ray], context: &mut Context, mut done: impl FnMut(usize, &Search)) {
+    pub(super) fn walk_each<M: Mode>(
+        &self,
+        rays: &[Ray],
+        context: &mut Context,
+        mut done: impl FnMut(usize, &Search),
+    ) {
         let mut stack = std::mem::take(&mut context.stack);
         stack.resize(self.stack, Entry::default());
         let mut waiting = std::mem::take(&mut context.waiting);
         let tree = self.tree();
-        let (packets, others) =
-            if tree.nodes.len() < PACKETS_FROM { (&[][..], rays) } else { rays.as_chunks::<RAYS>() };
+        let (packets, others) = rays.as_chunks::<RAYS>();
         let mut index = 0..;
         for rays in packets {
             if let Some(packet) = Packet::new(rays) {
@@ -224,6 +210,23 @@ impl Group {
             done(index, &walk::<M>(&tree, ray, &mut stack, context));
         }
         (context.stack, context.waiting) = (stack, waiting);
+    }
+
+    /// Walks rays through few leaves and calls `done` as `walk_each` does.
+    #[inline]
+    pub(super) fn walk_few<M: Mode>(
+        &self,
+        few: &Few,
+        rays: &[Ray],
+        context: &mut Context,
+        mut done: impl FnMut(usize, &Search),
+    ) {
+        let Some(first) = rays.first() else { return };
+        let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); RAYS], 0..);
+        for rays in rays.chunks(RAYS) {
+            few.walk::<M>(&tree, rays, &mut searches, context);
+            searches[..rays.len()].iter().zip(&mut index).for_each(|(found, index)| done(index, found));
+        }
     }
 
     /// Walks `LANES` rays in turns, so that one computes while others wait for memory; calls `done` as `walk_each` does.
@@ -263,7 +266,9 @@ impl Group {
         if self.root == Child::NONE {
             return;
         }
-        if self.is_cached() || are_coherent(rays) {
+        if let Some(few) = &self.few {
+            self.walk_few::<Closest>(few, rays, context, |i, found| hits[i] = found.hit(self));
+        } else if self.is_cached() || are_coherent(rays) {
             self.walk_each::<Closest>(rays, context, |i, found| hits[i] = found.hit(self));
         } else {
             self.walk_in_turns::<ClosestAhead>(rays, context, |i, found| hits[i] = found.hit(self));
@@ -275,7 +280,9 @@ impl Group {
         if self.root == Child::NONE {
             return;
         }
-        if self.is_cached() || are_coherent(rays) {
+        if let Some(few) = &self.few {
+            self.walk_few::<Any>(few, rays, context, |i, found| blocked[i] = found.is_blocked());
+        } else if self.is_cached() || are_coherent(rays) {
             self.walk_each::<Any>(rays, context, |i, found| blocked[i] = found.is_blocked());
         } else {
             self.walk_in_turns::<AnyAhead>(rays, context, |i, found| blocked[i] = found.is_blocked());
@@ -307,6 +314,13 @@ impl Group {
             return context.object(id, ray).map(Found::Named);
         }
         object.shape.intersect(element, ray).map(|hit| Found::Item(index, hit))
+    }
+
+    /// The hits of eight rays on an item that isn't a triangle, if it can be tested against them at once.
+    #[inline]
+    pub(super) fn other_eight(&self, index: usize, rays: &EightRays, context: &Context) -> Option<EightHits> {
+        let object = &context.objects[self.ids.as_slice()[index][0] as usize];
+        if object.motion.is_some() && !self.is_inner { None } else { object.shape.intersect_eight(rays) }
     }
 }
 

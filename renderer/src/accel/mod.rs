@@ -2,6 +2,7 @@
 
 mod block;
 mod collapse;
+mod few;
 mod group;
 mod memory;
 mod moving;

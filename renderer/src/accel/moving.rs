@@ -8,10 +8,10 @@ use obvhs::bvh2::builder::build_bvh2;
 use wide::f32x8;
 
 use super::collapse::{WideTree, collapse};
-use super::group::{BUILD, Closest, Context, comes_before};
+use super::group::{BUILD, Context, comes_before};
 use super::node::{Child, Slab, WIDTH, limit};
 use super::object::Object;
-use super::walk::{Entry, Pending};
+use super::walk::{Closest, Entry, Pending};
 use crate::math::bounds::Bounds;
 use crate::ray::{Hit, Ray};
 

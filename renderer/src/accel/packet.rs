@@ -13,7 +13,7 @@ use crate::ray::Ray;
 pub(super) const RAYS: usize = 8;
 
 /// All rays of a packet, as bits.
-const ALL: u32 = (1 << RAYS) - 1;
+pub(super) const ALL: u32 = (1 << RAYS) - 1;
 
 /// Cosine of the widest angle between the first ray of a packet and another; measured in benches/README.md.
 const NARROW: f32 = 0.999;

@@ -17,6 +17,32 @@ pub(super) trait Mode {
     const PREFETCH: bool;
 }
 
+/// The nearest hit, alone and in turns; any hit, alone and in turns.
+pub(super) struct Closest;
+pub(super) struct ClosestAhead;
+pub(super) struct Any;
+pub(super) struct AnyAhead;
+
+impl Mode for Closest {
+    const ANY: bool = false;
+    const PREFETCH: bool = false;
+}
+
+impl Mode for ClosestAhead {
+    const ANY: bool = false;
+    const PREFETCH: bool = true;
+}
+
+impl Mode for Any {
+    const ANY: bool = true;
+    const PREFETCH: bool = false;
+}
+
+impl Mode for AnyAhead {
+    const ANY: bool = true;
+    const PREFETCH: bool = true;
+}
+
 /// A group whose arrays are at hand.
 #[derive(Clone, Copy)]
 pub(super) struct Tree<'a> {
@@ -127,6 +153,12 @@ impl Search {
         self.best.map(|found| found.named(group))
     }
 
+    /// The ray's `t_max`: hits matter below it.
+    #[inline]
+    pub(super) fn reach(&self) -> f32 {
+        self.ray.t_max
+    }
+
     /// How far away a box may begin and still matter.
     #[inline]
     pub(super) fn limit(&self) -> f32 {
@@ -141,11 +173,7 @@ impl Search {
             // Such an item has a leaf of its own.
             let index = block.first();
             if let Some(hit) = tree.group.other(index, &self.ray, context) {
-                if M::ANY {
-                    self.is_blocked = true;
-                } else {
-                    self.take(tree.group, hit);
-                }
+                self.accept::<M>(tree.group, hit);
             }
             return;
         }
@@ -160,12 +188,21 @@ impl Search {
             let index = block.first() + lane as usize;
             let sheared = self.sheared.get_or_insert_with(|| ShearedRay::new(&self.ray));
             if let Some(hit) = sheared.hit(&block.triangle(lane), self.ray.t_max) {
+                self.accept::<M>(tree.group, Found::Item(index, hit));
                 if M::ANY {
-                    self.is_blocked = true;
                     return;
                 }
-                self.take(tree.group, Found::Item(index, hit));
             }
+        }
+    }
+
+    /// Takes note of a hit before the ray's `t_max`.
+    #[inline]
+    pub(super) fn accept<M: Mode>(&mut self, group: &Group, found: Found) {
+        if M::ANY {
+            self.is_blocked = true;
+        } else {
+            self.take(group, found);
         }
     }
 

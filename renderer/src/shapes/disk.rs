@@ -3,10 +3,11 @@
 use glam::{DAffine3, DVec3};
 
 use super::plane::Plane;
-use super::{ShapeHit, turn};
+use super::{EightHits, ShapeHit, turn};
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::ray::Ray;
+use crate::math::eight;
+use crate::ray::{EightRays, Ray};
 
 /// The image of the unit disk in the plane z = 0; its normal is that of +z.
 #[derive(Debug, Clone)]
@@ -34,6 +35,13 @@ impl Disk {
         #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
         let uv = [x as f32, y as f32];
         Some(ShapeHit { t, uv })
+    }
+
+    #[inline]
+    pub(super) fn intersect_eight(&self, rays: &EightRays) -> EightHits {
+        let (crossed, t, [x, y]) = self.plane.cross_eight(rays);
+        let outside = (x * x + y * y).simd_gt(1.0).to_bitmask();
+        EightHits { lanes: crossed & !outside, t, uv: [x, y].map(eight::rounded) }
     }
 
     /// Texture coordinates are the radius and the turn from the x axis.

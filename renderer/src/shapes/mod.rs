@@ -14,6 +14,7 @@ pub mod triangle;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
+use wide::{f32x8, f64x8};
 
 pub use cylinder::Cylinder;
 pub use disk::Disk;
@@ -24,8 +25,9 @@ pub use sphere::Sphere;
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
+use crate::math::eight;
 use crate::math::transform::check_affine;
-use crate::ray::Ray;
+use crate::ray::{EightRays, Ray};
 
 /// A shape before it is placed, with Mitsuba's canonical forms.
 #[derive(Debug, Clone)]
@@ -63,6 +65,24 @@ pub struct ShapeHit {
     pub t: f32,
     /// The element's own parameters of the point.
     pub uv: [f32; 2],
+}
+
+/// Where eight rays met one element of a shape, side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct EightHits {
+    /// The lanes of the rays that met it, as bits.
+    pub lanes: u32,
+    t: f32x8,
+    uv: [f32x8; 2],
+}
+
+impl EightHits {
+    /// The hit in one of `lanes`.
+    #[inline]
+    pub fn get(&self, lane: usize) -> ShapeHit {
+        let [t, u, v] = [&self.t, &self.uv[0], &self.uv[1]].map(|x| x.as_array()[lane]);
+        ShapeHit { t, uv: [u, v] }
+    }
 }
 
 /// A shape placed in its frame.
@@ -140,6 +160,18 @@ impl Shape {
             Self::Disk(d) => d.intersect(ray),
             Self::Cylinder(c) => c.intersect(ray),
             Self::Mesh(m) => m.intersect(element, ray),
+        }
+    }
+
+    /// What `intersect` finds for each of eight rays on the only element, bit for bit; `None` for shapes that are
+    /// tested ray by ray.
+    #[inline]
+    pub fn intersect_eight(&self, rays: &EightRays) -> Option<EightHits> {
+        match self {
+            Self::Sphere(s) => Some(s.intersect_eight(rays)),
+            Self::Rectangle(r) => Some(r.intersect_eight(rays)),
+            Self::Disk(d) => Some(d.intersect_eight(rays)),
+            Self::Cylinder(_) | Self::Mesh(_) => None,
         }
     }
 
@@ -311,6 +343,13 @@ fn rounded_curved(p: DVec3, extent: f64, radius: f64) -> (glam::Vec3, glam::Vec3
 fn accept(t: f64, t_max: f32) -> Option<f32> {
     let t = t as f32;
     (t > 0.0 && t < t_max).then_some(t)
+}
+
+/// What `accept` says of eight distances: the lanes of those accepted, as bits, and all of them as f32.
+#[inline]
+fn accept_eight(t: f64x8, t_max: f32x8) -> (u32, f32x8) {
+    let t = eight::rounded(t);
+    ((t.simd_gt(f32x8::ZERO) & t.simd_lt(t_max)).to_bitmask(), t)
 }
 
 /// Texture coordinate of an angle: `atan2(y, x)` / 2π in [0, 1).

@@ -1,10 +1,12 @@
 //! Planes with two axes: what parallelograms and ellipses share.
 
 use glam::{DAffine3, DVec3};
+use wide::{f32x8, f64x8};
 
-use super::{accept, rounded};
+use super::{accept, accept_eight, rounded};
 use crate::interaction::SurfacePoint;
-use crate::ray::Ray;
+use crate::math::eight::DVec3x8;
+use crate::ray::{EightRays, Ray};
 
 /// The image of the plane z = 0 under an affine map: points center + x·a + y·b.
 #[derive(Debug, Clone)]
@@ -72,6 +74,19 @@ impl Plane {
         let distance = accept(t, ray.t_max)?;
         let p = o + d * t;
         Some((distance, [self.dual_a.dot(p), self.dual_b.dot(p)]))
+    }
+
+    /// What `cross` gives for eight rays: the lanes of those that cross, as bits, the distances and the coordinates.
+    #[inline]
+    pub(super) fn cross_eight(&self, rays: &EightRays) -> (u32, f32x8, [f64x8; 2]) {
+        let along = |v: DVec3, p: DVec3x8| DVec3x8::splat(v).dot(p);
+        let (o, d) = (rays.origin - DVec3x8::splat(self.center), rays.direction);
+        let (height, slope) = (along(self.cross, o), along(self.cross, d));
+        let t = -height / slope;
+        let (accepted, distance) = accept_eight(t, rays.t_max);
+        let away = (height.simd_gt(0.0) ^ slope.simd_gt(0.0)).to_bitmask();
+        let p = o + d * t;
+        (accepted & away, distance, [along(self.dual_a, p), along(self.dual_b, p)])
     }
 
     /// The point at (x, y), with texture coordinates `uv`.

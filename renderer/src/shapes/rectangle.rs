@@ -3,10 +3,11 @@
 use glam::{DAffine3, DVec3};
 
 use super::plane::Plane;
-use super::{SMALLEST_SOLID_ANGLE, ShapeHit};
+use super::{EightHits, SMALLEST_SOLID_ANGLE, ShapeHit};
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::ray::Ray;
+use crate::math::eight;
+use crate::ray::{EightRays, Ray};
 use crate::sampling::warp::SphericalRectangle;
 
 /// The image of [−1, 1]² in the plane z = 0; its normal is that of +z.
@@ -33,6 +34,13 @@ impl Rectangle {
         #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
         let uv = [x as f32, y as f32];
         Some(ShapeHit { t, uv })
+    }
+
+    #[inline]
+    pub(super) fn intersect_eight(&self, rays: &EightRays) -> EightHits {
+        let (crossed, t, [x, y]) = self.plane.cross_eight(rays);
+        let outside = x.abs().simd_gt(1.0) | y.abs().simd_gt(1.0);
+        EightHits { lanes: crossed & !outside.to_bitmask(), t, uv: [x, y].map(eight::rounded) }
     }
 
     /// Texture coordinates run over [0, 1]².

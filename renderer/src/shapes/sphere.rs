@@ -3,15 +3,18 @@
 use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3, DVec3};
+use wide::f32x8;
 
-use super::quadratic::roots;
+use super::quadratic::{roots, roots_eight};
 use super::{
-    SMALLEST_SOLID_ANGLE, ShapeHit, accept, check_point, check_radius, rounded_curved, turn, uniform_scale,
+    EightHits, SMALLEST_SOLID_ANGLE, ShapeHit, accept, accept_eight, check_point, check_radius,
+    rounded_curved, turn, uniform_scale,
 };
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::ray::Ray;
+use crate::math::eight::DVec3x8;
+use crate::ray::{EightRays, Ray};
 
 /// A sphere; its normals point outward.
 #[derive(Debug, Clone)]
@@ -76,6 +79,19 @@ impl Sphere {
 
     pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         Some(ShapeHit { t: accept(self.met(ray)?, ray.t_max)?, uv: [0.0; 2] })
+    }
+
+    #[inline]
+    pub(super) fn intersect_eight(&self, rays: &EightRays) -> EightHits {
+        let d = rays.direction;
+        let f = rays.origin - DVec3x8::splat(self.center);
+        let (b, ff) = (-f.dot(d), f.dot(f));
+        let leaving = b.simd_lt(0.0) & ff.simd_gt(self.radius * self.radius);
+        let a = d.dot(d);
+        let closest = f + d * (b / a);
+        let (met, [near, far]) = roots_eight(a, b, ff, closest.dot(closest), self.radius);
+        let (accepted, t) = accept_eight(near.simd_gt(0.0).select(near, far), rays.t_max);
+        EightHits { lanes: accepted & met & !leaving.to_bitmask(), t, uv: [f32x8::ZERO; 2] }
     }
 
     /// Solves again, because the f32 distance is coarser than the surface, and from far away coarser than the sphere: it does not

@@ -1,0 +1,210 @@
+//! Trees of few leaves, walked by eight rays at once that may go any way: every leaf's box is tried against all of them.
+
+use wide::f32x8;
+
+use super::group::Context;
+use super::node::{Bounds32, SLACK};
+use super::packet::{ALL, RAYS};
+use super::walk::{Found, Mode, Search, Tree};
+use crate::math::eight::DVec3x8;
+use crate::ray::{EightRays, Ray};
+
+/// Leaves up to which a tree is walked like this; measured in benches/README.md.
+pub(super) const LEAVES: usize = 64;
+
+/// A leaf of a tree with its box.
+#[derive(Debug)]
+pub(super) struct Leaf {
+    pub(super) bounds: Bounds32,
+    pub(super) index: usize,
+    /// Index of its first item, which is the only one if that isn't a triangle.
+    pub(super) first: usize,
+    pub(super) has_triangles: bool,
+}
+
+/// The leaves of a small tree.
+#[derive(Debug)]
+pub(super) struct Few(Vec<Leaf>);
+
+impl Few {
+    /// The leaves of a tree.
+    pub(super) fn new(mut leaves: Vec<Leaf>) -> Self {
+        // What costs little comes first, and leaves less to the rest.
+        leaves.sort_by_key(|leaf| leaf.has_triangles);
+        Self(leaves)
+    }
+
+    /// Walks one to eight rays, and puts what they find into `searches`. Each visits the leaves that hold what it hits, as it does
+    /// alone, so it finds the same.
+    #[inline]
+    pub(super) fn walk<M: Mode>(
+        &self,
+        tree: &Tree,
+        rays: &[Ray],
+        searches: &mut [Search; RAYS],
+        context: &mut Context,
+    ) {
+        let mut lanes = Lanes::new(rays);
+        for (search, ray) in searches.iter_mut().zip(rays) {
+            *search = Search::new(ray);
+        }
+        let mut walking = ALL >> (RAYS - rays.len());
+        for leaf in &self.0 {
+            let mut met = lanes.meet(&leaf.bounds) & walking;
+            if met == 0 {
+                continue;
+            }
+            let hits = if leaf.has_triangles {
+                None
+            } else {
+                tree.group.other_eight(leaf.first, &lanes.rays, context)
+            };
+            if let Some(hits) = &hits {
+                met &= hits.lanes;
+            }
+            while met != 0 {
+                let lane = met.trailing_zeros() as usize % RAYS;
+                met &= met - 1;
+                let search = &mut searches[lane];
+                match &hits {
+                    Some(hits) => {
+                        search.accept::<M>(tree.group, Found::Item(leaf.first, hits.get(lane)));
+                    }
+                    None => search.leaf::<M>(tree, leaf.index, context),
+                }
+                lanes.rays.t_max.as_mut_array()[lane] = search.reach();
+                if M::ANY && search.is_blocked() {
+                    walking &= !(1 << lane);
+                }
+            }
+            if walking == 0 {
+                break;
+            }
+        }
+    }
+}
+
+/// Eight rays prepared for boxes and for shapes.
+struct Lanes {
+    rays: EightRays,
+    origin: [f32x8; 3],
+    inverse: [f32x8; 3],
+}
+
+impl Lanes {
+    /// Up to eight rays; what the other lanes hold doesn't matter.
+    #[inline]
+    fn new(rays: &[Ray]) -> Self {
+        let [mut origin, mut direction] = [[[1.0; RAYS]; 3]; 2];
+        let mut t_max = [0.0; RAYS];
+        for (lane, ray) in rays.iter().enumerate().take(RAYS) {
+            for axis in 0..3 {
+                origin[axis][lane] = ray.origin[axis];
+                direction[axis][lane] = ray.direction[axis];
+            }
+            t_max[lane] = ray.t_max;
+        }
+        // As in `Slab::new`.
+        let (lowest, highest) = (f32x8::splat(f32::MIN), f32x8::splat(f32::MAX));
+        let inverse = |d| (f32x8::ONE / f32x8::new(d)).fast_max(lowest).fast_min(highest);
+        let [x, y, z] = direction;
+        let [ox, oy, oz] = origin;
+        Self {
+            rays: EightRays {
+                origin: DVec3x8::new(origin),
+                direction: DVec3x8::new(direction),
+                t_max: f32x8::new(t_max),
+            },
+            origin: [f32x8::new(ox), f32x8::new(oy), f32x8::new(oz)],
+            inverse: [inverse(x), inverse(y), inverse(z)],
+        }
+    }
+
+    /// Which rays meet a box before their `t_max`, as bits: none that hits what is in it is left out, by the reckoning of `SLACK`.
+    #[inline]
+    fn meet(&self, bounds: &Bounds32) -> u32 {
+        let distance = |axis: usize, side: f32| (f32x8::splat(side) - self.origin[axis]) * self.inverse[axis];
+        let sides = |axis: usize| (distance(axis, bounds.min[axis]), distance(axis, bounds.max[axis]));
+        let (x, y, z) = (sides(0), sides(1), sides(2));
+        let near = |(a, b): (f32x8, f32x8)| a.fast_min(b);
+        let far = |(a, b): (f32x8, f32x8)| a.fast_max(b);
+        let enter = near(x).fast_max(near(y)).fast_max(near(z).fast_max(f32x8::ZERO));
+        let leave = far(x).fast_min(far(y)).fast_min(far(z).fast_min(self.rays.t_max));
+        enter.simd_le((leave * SLACK).fast_min(f32x8::splat(f32::MAX))).to_bitmask()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DVec3, Vec3};
+
+    use crate::accel::Object;
+    use crate::accel::group::{Context, Group, point};
+    use crate::accel::walk::{Any, Closest};
+    use crate::math::transform::Motion;
+    use crate::ray::Ray;
+    use crate::shapes::{Shape, ShapeSettings};
+
+    /// Shapes of every kind on top of each other, one of them twice, and one that moves a little.
+    fn objects() -> Vec<Object> {
+        let place = |n: u32| DAffine3::from_translation(point(n).as_dvec3() * 2.0);
+        let turned = |n: u32| place(n) * DAffine3::from_rotation_x(f64::from(n));
+        let shape = |settings: &ShapeSettings, map| Object::still(Shape::new(settings, &map, false).unwrap());
+        let sphere = ShapeSettings::Sphere { center: DVec3::X, radius: 0.5 };
+        let cylinder = ShapeSettings::Cylinder { p0: DVec3::ZERO, p1: DVec3::Z, radius: 0.4 };
+        let still = (0..5).flat_map(|n| {
+            [
+                shape(&ShapeSettings::Rectangle, turned(n)),
+                shape(&ShapeSettings::Rectangle, turned(n)),
+                shape(&ShapeSettings::Disk, turned(n + 10)),
+                shape(&sphere, place(n + 20)),
+                shape(&cylinder, turned(n + 30)),
+                shape(&ShapeSettings::Cube, turned(n + 40)),
+            ]
+        });
+        let step = DAffine3::from_translation(DVec3::Y * 0.1);
+        let motion = Motion::keyed(vec![(0.0, DAffine3::IDENTITY), (1.0, step)]).unwrap();
+        let moving = Object::moving(Shape::new(&sphere, &DAffine3::IDENTITY, false).unwrap(), motion);
+        still.chain([moving]).collect()
+    }
+
+    /// Rays from everywhere, from within planes, along axes, and segments.
+    fn rays() -> Vec<Ray> {
+        let ray = |n: u32| {
+            let (from, way) = (point(3 * n) * (0.5 + (n % 7) as f32), point(5 * n + 1));
+            match n % 5 {
+                0 => Ray::new(from, Vec3::AXES[n as usize % 3], 0.5),
+                1 => Ray { t_max: 3.0, ..Ray::new(from, way, 0.5) },
+                2 => Ray::new(Vec3::ZERO, way, 0.5),
+                _ => Ray::new(from, way, 0.5),
+            }
+        };
+        (0..20_000).map(ray).collect()
+    }
+
+    #[test]
+    fn rays_walked_together_find_what_each_finds_alone() {
+        let (objects, rays) = (objects(), rays());
+        let swept: Vec<_> = objects.iter().map(|o| o.motion.as_ref().map(|_| o.bounds([0.0, 1.0]))).collect();
+        let group = Group::of_scene(&objects, &swept);
+        let few = group.few.as_ref().unwrap();
+        let inner: Vec<_> = objects.iter().map(|_| None).collect();
+        let context = &mut Context::new(&objects, &inner);
+        // All, and numbers that aren't multiples of eight.
+        for count in [0, 1, 7, 9, rays.len()] {
+            let rays = &rays[..count];
+            let (mut alone, mut together) = (vec![None; count], vec![None; count]);
+            group.walk_each::<Closest>(rays, context, |i, found| alone[i] = found.hit(&group));
+            group.walk_few::<Closest>(few, rays, context, |i, found| together[i] = found.hit(&group));
+            assert_eq!(alone, together);
+            let (mut each, mut few_at_once) = (vec![false; count], vec![false; count]);
+            group.walk_each::<Any>(rays, context, |i, found| each[i] = found.is_blocked());
+            group.walk_few::<Any>(few, rays, context, |i, found| few_at_once[i] = found.is_blocked());
+            assert_eq!(each, few_at_once);
+            assert!(each.iter().zip(&alone).all(|(any, hit)| *any == hit.is_some()));
+            let met = |object: usize| alone.iter().flatten().any(|hit| hit.object as usize == object);
+            let second = |object: usize| object < 30 && object % 6 == 1;
+            assert!(count < 10_000 || (0..objects.len()).all(|object| met(object) != second(object)));
+        }
+    }
+}
