@@ -6,7 +6,7 @@ use super::group::Context;
 use super::node::{Bounds32, SLACK};
 use super::packet::{ALL, RAYS};
 use super::walk::{Found, Mode, Search, Tree};
-use crate::math::eight::DVec3x8;
+use crate::math::eight::Eight;
 use crate::ray::{EightRays, Ray};
 
 /// Leaves up to which a tree is walked like this; measured in benches/README.md.
@@ -95,27 +95,20 @@ impl Lanes {
     /// Up to eight rays; what the other lanes hold doesn't matter.
     #[inline]
     fn new(rays: &[Ray]) -> Self {
-        let [mut origin, mut direction] = [[[1.0; RAYS]; 3]; 2];
-        let mut t_max = [0.0; RAYS];
+        let [mut origin, mut direction] = [Eight([f32x8::ONE; 3]); 2];
+        let mut t_max = f32x8::ZERO;
         for (lane, ray) in rays.iter().enumerate().take(RAYS) {
-            for axis in 0..3 {
-                origin[axis][lane] = ray.origin[axis];
-                direction[axis][lane] = ray.direction[axis];
-            }
-            t_max[lane] = ray.t_max;
+            origin.set(lane, ray.origin);
+            direction.set(lane, ray.direction);
+            t_max.as_mut_array()[lane] = ray.t_max;
         }
         // As in `Slab::new`.
         let (lowest, highest) = (f32x8::splat(f32::MIN), f32x8::splat(f32::MAX));
-        let inverse = |d| (f32x8::ONE / f32x8::new(d)).fast_max(lowest).fast_min(highest);
-        let [x, y, z] = direction;
-        let [ox, oy, oz] = origin;
+        let inverse = |d: f32x8| (f32x8::ONE / d).fast_max(lowest).fast_min(highest);
+        let Eight([x, y, z]) = direction;
         Self {
-            rays: EightRays {
-                origin: DVec3x8::new(origin),
-                direction: DVec3x8::new(direction),
-                t_max: f32x8::new(t_max),
-            },
-            origin: [f32x8::new(ox), f32x8::new(oy), f32x8::new(oz)],
+            rays: EightRays { origin: origin.widened(), direction: direction.widened(), t_max },
+            origin: origin.0,
             inverse: [inverse(x), inverse(y), inverse(z)],
         }
     }

@@ -47,6 +47,25 @@ pub struct Path {
     pub pdf: Option<f32>,
 }
 
+impl Path {
+    /// The path after its next surface, along `ray` with the weight `weight`; `None` if nothing would come of it.
+    ///
+    /// * `eta2`: by which refraction there squeezes solid angles; * `pdf`, `branch`: of the new path.
+    #[inline]
+    pub fn along(&self, ray: Ray, weight: Rgb, eta2: f32, pdf: Option<f32>, branch: u32) -> Option<Self> {
+        let throughput = self.throughput * weight;
+        let vertex = Vertex { bounce: self.vertex.bounce.saturating_add(1), branch, split: 0 };
+        (!throughput.is_black()).then_some(Self {
+            sample: self.sample,
+            vertex,
+            ray,
+            throughput,
+            eta_scale: self.eta_scale * eta2,
+            pdf,
+        })
+    }
+}
+
 /// A path's hit, ready for shading.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {

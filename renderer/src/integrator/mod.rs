@@ -2,6 +2,7 @@
 
 pub mod batch;
 pub mod path;
+mod scatter;
 pub mod stages;
 
 pub use batch::Batch;

@@ -2,19 +2,15 @@
 
 use glam::Vec3;
 
+pub use super::scatter::scatter;
+
 use super::batch::{Batch, Connection, Draws, Path, Surface};
 use crate::interaction::Interaction;
 use crate::lights::{Light, LightSample};
-use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe};
 use crate::math::{Frame, Rgb};
-use crate::ray::Ray;
 use crate::sampling::mis::power_heuristic;
-use crate::sampling::{Decision, SampleId, Sampler, Vertex, warp};
-use crate::scene::{Branch, Effect, Meter, Scene, Strategy};
-
-/// Share of its sample's light below which a path no longer forks. Forks divide it, and refraction doesn't squeeze it, so that
-/// they make at most 64 paths of one that begins with all of the light.
-const FORK_MIN: f32 = 1.0 / 64.0;
+use crate::sampling::{Decision, Sampler, Vertex, warp};
+use crate::scene::{Effect, Meter, Scene, Strategy};
 
 /// The stages from the film to the camera's rays, as far as the scene calls for them.
 pub fn camera<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
@@ -98,7 +94,7 @@ pub fn surfaces(scene: &Scene, batch: &mut Batch) {
 }
 
 /// The frame in which the material of a surface sees directions.
-fn frame(scene: &Scene, path: &Path, surface: &Surface) -> Frame {
+pub(super) fn frame(scene: &Scene, path: &Path, surface: &Surface) -> Frame {
     if scene.anisotropic {
         scene.frame_along(&path.ray, &surface.hit, &surface.interaction)
     } else {
@@ -250,131 +246,6 @@ fn is_connected(scene: &Scene, strategy: Strategy, object: u32) -> bool {
 /// Leaves out the surfaces from which no last ray is needed.
 pub fn leave_connected(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     batch.surfaces.retain(|surface| !is_connected(scene, strategy, surface.interaction.object));
-}
-
-/// One further ray for each surface, or two where both branches of a dielectric are followed.
-pub fn scatter<S: Sampler>(scene: &Scene, sampler: &S, branch: Branch, batch: &mut Batch) {
-    let Batch { surfaces, paths, next, samples, draws, .. } = batch;
-    draws.at_surfaces(surfaces.iter(), paths, samples);
-    if scene.decides(Decision::Lobe) {
-        sampler.draw_1d_each(&draws.places, Decision::Lobe, &mut draws.choices);
-    } else {
-        draws.no_choices();
-    }
-    if scene.decides(Decision::Direction) {
-        sampler.draw_2d_each(&draws.places, Decision::Direction, &mut draws.points);
-    } else {
-        draws.no_points();
-    }
-    next.clear();
-    for (surface, (&u_lobe, &u)) in surfaces.iter().zip(draws.choices.iter().zip(&draws.points)) {
-        let path = &paths[surface.path as usize];
-        let id = samples[path.sample as usize].id;
-        let frame = frame(scene, path, surface);
-        Bounce { scene, sampler, surface, frame, path, id, u_lobe, u }.follow(branch, next);
-    }
-    std::mem::swap(paths, next);
-}
-
-/// A path at a surface.
-struct Bounce<'a, S> {
-    scene: &'a Scene,
-    sampler: &'a S,
-    surface: &'a Surface,
-    /// Around the surface's shading normal.
-    frame: Frame,
-    path: &'a Path,
-    id: SampleId,
-    /// The numbers of the path's own branch for the choice of a lobe and a direction in it.
-    u_lobe: f32,
-    u: [f32; 2],
-}
-
-impl<S: Sampler> Bounce<'_, S> {
-    fn follow(&self, branch: Branch, next: &mut Vec<Path>) {
-        let interaction = &self.surface.interaction;
-        let material = self.scene.material(interaction.object);
-        let wo = self.frame.to_local(interaction.wo);
-        let vertex = self.path.vertex;
-        if let Some(matte) = material.matte(interaction.surface.uv) {
-            let sample = matte.sample(wo, self.u);
-            next.extend(sample.and_then(|sample| self.path_along(&sample, vertex.branch, 1.0)));
-            return;
-        }
-        let bsdf = material.bsdf(interaction.surface.uv);
-        // branches of one path share nothing: each draws at its own vertex
-        let direction = |branch: u32| {
-            if branch == vertex.branch || !self.scene.calls_for(interaction.object).direction {
-                self.u
-            } else {
-                self.sampler.draw_2d(self.id, Vertex { branch, ..vertex }, Decision::Direction)
-            }
-        };
-        if !bsdf.forks() || branch == Branch::Fresnel {
-            next.extend(
-                bsdf.sample(wo, self.u_lobe, self.u).and_then(|s| self.path_along(&s, vertex.branch, 1.0)),
-            );
-            return;
-        }
-        let reflected = bsdf.branch_probability_fresnel(wo);
-        let share = self.path.throughput.max_component() * self.path.eta_scale;
-        let can_fork = share * reflected.min(1.0 - reflected) >= FORK_MIN;
-        match branch {
-            Branch::Both if can_fork => {
-                for (child, which) in [(1, MaterialBranch::Reflect), (2, MaterialBranch::Refract)] {
-                    let branch = vertex.branch.wrapping_mul(2).wrapping_add(child);
-                    next.extend(self.branch(&bsdf, which, direction(branch), branch, 1.0));
-                }
-            }
-            Branch::Half => {
-                let which = if self.u_lobe < 0.5 { MaterialBranch::Reflect } else { MaterialBranch::Refract };
-                next.extend(self.branch(&bsdf, which, direction(vertex.branch), vertex.branch, 2.0));
-            }
-            Branch::Both | Branch::Fresnel => {
-                let (which, share) = if self.u_lobe < reflected {
-                    (MaterialBranch::Reflect, reflected)
-                } else {
-                    (MaterialBranch::Refract, 1.0 - reflected)
-                };
-                next.extend(self.branch(&bsdf, which, direction(vertex.branch), vertex.branch, 1.0 / share));
-            }
-        }
-    }
-
-    /// The path along one branch of a dielectric, its throughput times `factor`.
-    fn branch(
-        &self,
-        bsdf: &Bsdf,
-        which: MaterialBranch,
-        u: [f32; 2],
-        branch: u32,
-        factor: f32,
-    ) -> Option<Path> {
-        let wo = self.frame.to_local(self.surface.interaction.wo);
-        let sample = bsdf.sample_branch(wo, which, u)?;
-        // the weights of light and material samples add up to 1 for any density that both agree on
-        let pdf = bsdf.pdf(wo, sample.wi);
-        self.path_along(&BsdfSample { pdf, ..sample }, branch, factor)
-    }
-
-    fn path_along(&self, sample: &BsdfSample, branch: u32, factor: f32) -> Option<Path> {
-        let throughput = self.path.throughput * sample.weight * factor;
-        if throughput.is_black() {
-            return None;
-        }
-        let interaction = &self.surface.interaction;
-        let ray: Ray = interaction.spawn(self.frame.to_world(sample.wi));
-        let eta = if sample.transmitted { sample.eta_rel * sample.eta_rel } else { 1.0 };
-        let vertex = Vertex { bounce: self.path.vertex.bounce.saturating_add(1), branch, split: 0 };
-        Some(Path {
-            sample: self.path.sample,
-            vertex,
-            ray,
-            throughput,
-            eta_scale: self.path.eta_scale * eta,
-            pdf: (sample.lobe == Lobe::Spread).then_some(sample.pdf),
-        })
-    }
 }
 
 /// Ends paths by chance: one goes on with probability q = min(0.95, throughput without the squeezing of solid

@@ -3,11 +3,13 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
+use wide::f32x8;
 
 use super::Material;
 use super::bsdf::{BsdfSample, Lobe};
 use crate::error::ParamError;
 use crate::math::Rgb;
+use crate::math::eight::Vec3x8;
 use crate::sampling::warp;
 use crate::texture::Texture;
 
@@ -91,6 +93,12 @@ pub struct Matte {
 }
 
 impl Matte {
+    /// The weight of every direction.
+    #[inline]
+    pub fn reflectance(&self) -> Rgb {
+        self.diffuse.reflectance
+    }
+
     /// f |cos θᵢ| \[1/sr\] and the density of the direction towards the light, by the cosines of both directions.
     #[inline]
     pub fn eval_cos(&self, cos_o: f32, cos_i: f32) -> (Rgb, f32) {
@@ -99,11 +107,27 @@ impl Matte {
         (self.diffuse.eval(wo, wi) * cos_i.abs(), self.diffuse.pdf(wo, wi))
     }
 
-    /// A direction in proportion to its cosine.
+    /// Which side scatters light to an eye under the cosine `cos_o`: 1 that of the normal, −1 the other one, 0 none.
     #[inline]
-    pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
-        let sign = if self.two_sided && wo.z < 0.0 { -1.0 } else { 1.0 };
-        self.diffuse.sample(sign * wo, u).map(|sample| BsdfSample { wi: sign * sample.wi, ..sample })
+    pub fn side(&self, cos_o: f32) -> f32 {
+        if cos_o > 0.0 {
+            1.0
+        } else if self.two_sided && cos_o < 0.0 {
+            -1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// Directions in proportion to their cosines on eight sides, bit for bit as `Bsdf::sample` takes them; the densities are 0 if nothing comes of it.
+    ///
+    /// # Measure
+    /// Per steradian.
+    #[inline]
+    pub fn eight_directions(side: f32x8, u: [f32x8; 2]) -> (Vec3x8, f32x8) {
+        let wi = warp::squares_to_cosine_hemisphere(u);
+        let pdf = wi.0[2] * (side.abs() * FRAC_1_PI);
+        (wi * side, pdf)
     }
 }
 
@@ -120,7 +144,12 @@ mod tests {
             let (matte, bsdf) = (material.matte([0.0; 2]).unwrap(), material.bsdf([0.0; 2]));
             for (wo, wi) in [(up, aside), (-up, aside), (up, -aside), (-up, -aside)] {
                 assert_eq!(matte.eval_cos(wo.z, wi.z), (bsdf.eval_cos(wo, wi), bsdf.pdf(wo, wi)));
-                assert_eq!(matte.sample(wo, [0.3, 0.9]), bsdf.sample(wo, 0.5, [0.3, 0.9]));
+                let (side, u) = (f32x8::splat(matte.side(wo.z)), [0.3, 0.9].map(f32x8::splat));
+                let (wi, pdf) = Matte::eight_directions(side, u);
+                let (wi, pdf) = (wi.get(3), pdf.to_array()[3]);
+                let sample = bsdf.sample(wo, 0.5, [0.3, 0.9]);
+                assert_eq!((pdf > 0.0).then_some((wi, pdf)), sample.map(|s| (s.wi, s.pdf)));
+                assert!(sample.is_none_or(|s| s.weight == matte.reflectance()));
             }
         }
         let mirror = Material::new_mirror(Rgb::WHITE.into()).unwrap();

@@ -1,37 +1,31 @@
-//! Eight vectors side by side, so that a formula is evaluated for eight rays at once; each lane gets the bits of the formula alone.
+//! Eight vectors side by side, so that a formula is evaluated for eight lanes at once; each gets the bits of the formula alone.
 
 use std::ops::{Add, Mul, Sub};
 
-use glam::DVec3;
-use wide::{f32x8, f64x8};
+use bytemuck::cast;
+use glam::{DVec3, Vec3};
+use wide::{f32x8, f64x8, i32x8};
 
-/// Eight vectors of f64, coordinate by coordinate.
+/// Eight vectors, coordinate by coordinate.
 #[derive(Debug, Clone, Copy)]
-pub struct DVec3x8(pub [f64x8; 3]);
+pub struct Eight<T>(pub [T; 3]);
 
-impl DVec3x8 {
-    /// The same vector eight times.
-    #[inline]
-    pub fn splat(v: DVec3) -> Self {
-        Self([f64x8::splat(v.x), f64x8::splat(v.y), f64x8::splat(v.z)])
-    }
+/// Eight vectors of f32.
+pub type Vec3x8 = Eight<f32x8>;
 
-    /// The vectors whose coordinates `v` are.
-    #[inline]
-    pub fn new(v: [[f32; 8]; 3]) -> Self {
-        let [x, y, z] = v;
-        Self([widened(x), widened(y), widened(z)])
-    }
+/// Eight vectors of f64.
+pub type DVec3x8 = Eight<f64x8>;
 
-    /// The dot products, summed in the order of `DVec3::dot`.
+impl<T: Copy + Add<Output = T> + Mul<Output = T>> Eight<T> {
+    /// The dot products, summed in the order of `Vec3::dot`.
     #[inline]
-    pub fn dot(self, other: Self) -> f64x8 {
+    pub fn dot(self, other: Self) -> T {
         let ([x, y, z], [ox, oy, oz]) = (self.0, other.0);
         x * ox + y * oy + z * oz
     }
 }
 
-impl Add for DVec3x8 {
+impl<T: Add<Output = T>> Add for Eight<T> {
     type Output = Self;
 
     #[inline]
@@ -41,7 +35,7 @@ impl Add for DVec3x8 {
     }
 }
 
-impl Sub for DVec3x8 {
+impl<T: Sub<Output = T>> Sub for Eight<T> {
     type Output = Self;
 
     #[inline]
@@ -51,21 +45,59 @@ impl Sub for DVec3x8 {
     }
 }
 
-impl Mul<f64x8> for DVec3x8 {
+impl<T: Copy + Mul<Output = T>> Mul<T> for Eight<T> {
     type Output = Self;
 
     #[inline]
-    fn mul(self, factor: f64x8) -> Self {
+    fn mul(self, factor: T) -> Self {
         let [x, y, z] = self.0;
         Self([x * factor, y * factor, z * factor])
     }
 }
 
+impl DVec3x8 {
+    /// The same vector eight times.
+    #[inline]
+    pub fn splat(v: DVec3) -> Self {
+        Self([f64x8::splat(v.x), f64x8::splat(v.y), f64x8::splat(v.z)])
+    }
+}
+
+impl Vec3x8 {
+    /// The vectors in f64.
+    #[inline]
+    pub fn widened(self) -> DVec3x8 {
+        let [x, y, z] = self.0;
+        Eight([widened(x), widened(y), widened(z)])
+    }
+
+    /// The magnitudes of the coordinates.
+    #[inline]
+    pub fn abs(self) -> Self {
+        let [x, y, z] = self.0;
+        Self([x.abs(), y.abs(), z.abs()])
+    }
+
+    /// The vector in a lane below 8.
+    #[inline]
+    pub fn get(&self, lane: usize) -> Vec3 {
+        let [x, y, z] = &self.0;
+        Vec3::new(x.as_array()[lane], y.as_array()[lane], z.as_array()[lane])
+    }
+
+    /// Puts a vector into a lane below 8.
+    #[inline]
+    pub fn set(&mut self, lane: usize, v: Vec3) {
+        let [x, y, z] = &mut self.0;
+        (x.as_mut_array()[lane], y.as_mut_array()[lane], z.as_mut_array()[lane]) = (v.x, v.y, v.z);
+    }
+}
+
 /// Eight numbers as f64.
 #[inline]
-fn widened(x: [f32; 8]) -> f64x8 {
+fn widened(x: f32x8) -> f64x8 {
     let mut wide = [0.0; 8];
-    for (wide, x) in wide.iter_mut().zip(x) {
+    for (wide, x) in wide.iter_mut().zip(x.to_array()) {
         *wide = f64::from(x);
     }
     f64x8::new(wide)
@@ -79,4 +111,23 @@ pub fn rounded(x: f64x8) -> f32x8 {
         *rounded = super::float::round_f32(x);
     }
     f32x8::new(rounded)
+}
+
+/// `f32::next_up` of eight finite numbers.
+#[inline]
+pub fn next_up(x: f32x8) -> f32x8 {
+    // −0 becomes 0; below it the bits count down.
+    let bits: i32x8 = cast(x + f32x8::ZERO);
+    cast(bits + (bits >> 31_u32 | i32x8::ONE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_numbers_step_as_one() {
+        let numbers = [0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE, -1e-45, 1e30, -1e-30];
+        assert_eq!(next_up(f32x8::new(numbers)).to_array(), numbers.map(f32::next_up));
+    }
 }

@@ -1,6 +1,9 @@
 //! Right-handed orthonormal bases: the local frame in which z is the normal.
 
 use glam::Vec3;
+use wide::f32x8;
+
+use super::eight::{Eight, Vec3x8};
 
 /// Three perpendicular unit vectors with x × y = z.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +20,7 @@ impl Frame {
     /// Completes the unit vector `z` to a frame.
     ///
     /// # Precision, limits
-    /// No branch and no direction that loses digits; lengths and angles are right to 3e-7.
+    /// No branch and no direction that loses digits; lengths and angles are right to 1.6e-6, and to 5e-7 as far as seen.
     ///
     /// # Source
     /// Duff, Burgess, Christensen, Hery, Kensler, Liani and Villemin 2017, "Building an Orthonormal Basis,
@@ -38,6 +41,19 @@ impl Frame {
             Some(x) => Self { x, y: z.cross(x), z },
             None => Self::from_z(z),
         }
+    }
+
+    /// What [`Self::to_world`] makes of eight vectors in the frames that [`Self::from_z`] completes, bit for bit.
+    #[inline]
+    pub fn eight_to_world(z: Vec3x8, local: Vec3x8) -> Vec3x8 {
+        let (Eight([zx, zy, zz]), Eight([x, y, w])) = (z, local);
+        let one = f32x8::ONE;
+        let sign = one.copysign(zz);
+        let a = -one / (sign + zz);
+        let b = zx * zy * a;
+        let first = Eight([one + sign * zx * zx * a, sign * b, -sign * zx]);
+        let second = Eight([b, sign + zy * zy * a, -zy]);
+        first * x + second * y + z * w
     }
 
     /// The world vector `v` in local coordinates.

@@ -2,7 +2,9 @@
 
 use crate::math::spherical::turn;
 use glam::Vec2;
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
+use std::ops::{Add, Mul};
+use wide::f32x8;
 
 /// Maps the unit square onto the unit disk, uniformly, keeping neighbours together.
 ///
@@ -22,13 +24,38 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 #[inline]
 pub fn square_to_disk(u: [f32; 2]) -> Vec2 {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
-    if a == 0.0 && b == 0.0 {
-        return Vec2::ZERO;
-    }
-    let (radius, phi) =
-        if a.abs() > b.abs() { (a, FRAC_PI_4 * (b / a)) } else { (b, FRAC_PI_2 - FRAC_PI_4 * (a / b)) };
-    let (sin, cos) = libm::sincosf(phi);
-    radius * Vec2::new(cos, sin)
+    let is_flat = a.abs() > b.abs();
+    let (radius, other) = if is_flat { (a, b) } else { (b, a) };
+    let turn = other / if radius == 0.0 { 1.0 } else { radius };
+    // From the nearer axis: the angle to the other one is π/2 less that.
+    let (sin, cos) = octant(FRAC_PI_4 * turn);
+    radius * if is_flat { Vec2::new(cos, sin) } else { Vec2::new(sin, cos) }
+}
+
+/// [`square_to_disk`] of eight points, bit for bit.
+#[inline]
+pub(super) fn squares_to_disk([u, v]: [f32x8; 2]) -> [f32x8; 2] {
+    let one = f32x8::ONE;
+    let (a, b) = (u * 2.0 - one, v * 2.0 - one);
+    let is_flat = a.abs().simd_gt(b.abs());
+    let (radius, other) = (is_flat.select(a, b), is_flat.select(b, a));
+    let turn = other / radius.simd_eq(0.0).select(one, radius);
+    let (sin, cos) = octant(f32x8::splat(FRAC_PI_4) * turn);
+    [radius * is_flat.select(cos, sin), radius * is_flat.select(sin, cos)]
+}
+
+/// Sine and cosine of an angle in [−π/4, π/4], right to a unit in the last place.
+///
+/// # Source
+/// Moshier's Cephes library, `sinf.c`, whose polynomials err by 2⁻²⁶; without the branches of `libm::sincosf`.
+#[inline]
+fn octant<T: Copy + Add<f32, Output = T> + Mul<f32, Output = T> + Add<Output = T> + Mul<Output = T>>(
+    x: T,
+) -> (T, T) {
+    let z = x * x;
+    let sin = ((z * -1.951_529_6e-4 + 8.332_161e-3) * z + -0.166_666_55) * z * x + x;
+    let cos = ((z * 2.443_315_7e-5 + -1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z + z * -0.5 + 1.0;
+    (sin, cos)
 }
 
 /// The inverse of [`square_to_disk`].
@@ -98,6 +125,31 @@ mod tests {
             // 2⁻²³ by which LAST falls short of the corner, and three roundings of 2⁻²⁴.
             assert!((p.length() - 1.0).abs() <= 2.5 * f32::EPSILON, "{corner:?}: {p}");
             assert_eq!(disk_pdf(p), FRAC_1_PI, "{corner:?}");
+        }
+    }
+
+    #[test]
+    fn eight_points_are_mapped_as_one() {
+        let numbers = [0.0, 0.25, 0.3, 0.5, 0.6, 0.75, 0.9, LAST];
+        for v in numbers {
+            let [x, y] = squares_to_disk([f32x8::new(numbers), f32x8::splat(v)]).map(|c| c.to_array());
+            for (lane, u) in numbers.into_iter().enumerate() {
+                assert_eq!([x[lane], y[lane]], square_to_disk([u, v]).to_array(), "{u} {v}");
+            }
+        }
+    }
+
+    #[test]
+    fn sine_and_cosine_within_an_octant() {
+        for n in -1000..=1000 {
+            let angle = FRAC_PI_4 * (n as f32 / 1000.0);
+            let (sin, cos) = octant(angle);
+            let exact = f64::from(angle).sin_cos();
+            for (found, exact) in [(sin, exact.0), (cos, exact.1)] {
+                // A unit in the last place is at most 2⁻²³ of the number.
+                let bound = exact.abs() * f64::from(f32::EPSILON);
+                assert!((f64::from(found) - exact).abs() <= bound, "{angle} {found} {exact}");
+            }
         }
     }
 

@@ -1,9 +1,11 @@
 //! Directions about the local z axis: uniform, and proportional to the cosine.
 
-use super::disk::{disk_to_square, square_to_disk};
+use super::disk::{disk_to_square, square_to_disk, squares_to_disk};
+use crate::math::eight::{Eight, Vec3x8};
 use crate::math::spherical::{cos_theta, direction, sin2_theta, turn};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
+use wide::f32x8;
 
 /// Maps the unit square onto the upper hemisphere, uniformly in solid angle: cos θ = 1 − u, φ = 2πv.
 ///
@@ -57,6 +59,15 @@ pub fn hemisphere_pdf(w: Vec3) -> f32 {
 pub fn square_to_cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     let radius = (2.0 * u[0] - 1.0).abs().max((2.0 * u[1] - 1.0).abs());
     square_to_disk(u).extend(((1.0 - radius) * (1.0 + radius)).sqrt())
+}
+
+/// [`square_to_cosine_hemisphere`] of eight points, bit for bit.
+#[inline]
+pub fn squares_to_cosine_hemisphere([u, v]: [f32x8; 2]) -> Vec3x8 {
+    let one = f32x8::ONE;
+    let radius = (u * 2.0 - one).abs().fast_max((v * 2.0 - one).abs());
+    let [x, y] = squares_to_disk([u, v]);
+    Eight([x, y, ((one - radius) * (one + radius)).sqrt()])
 }
 
 /// The inverse of [`square_to_cosine_hemisphere`].

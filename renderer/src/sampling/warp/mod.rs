@@ -17,7 +17,7 @@ pub use cone::{cone_pdf, cone_to_square, one_minus_cos, square_to_cone};
 pub use disk::{disk_pdf, disk_polar_to_square, disk_to_square, square_to_disk, square_to_disk_polar};
 pub use hemisphere::{
     cosine_hemisphere_pdf, cosine_hemisphere_to_square, hemisphere_pdf, hemisphere_to_square,
-    square_to_cosine_hemisphere, square_to_hemisphere,
+    square_to_cosine_hemisphere, square_to_hemisphere, squares_to_cosine_hemisphere,
 };
 pub use parallelogram::{parallelogram_pdf_area, parallelogram_to_square, square_to_parallelogram};
 pub use phong::{phong_pdf, phong_to_square, square_to_phong};
