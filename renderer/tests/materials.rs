@@ -215,6 +215,29 @@ proptest! {
     }
 
     #[test]
+    fn the_cosine_is_in_the_value_for_light_once(
+        m in material(0.05), wo in direction(), wi in direction()
+    ) {
+        let bsdf = m.bsdf([0.0; 2]);
+        // At the horizon itself a lobe that is even over cosines has no value.
+        prop_assume!(wi.z.abs() > 1e-6);
+        for (f_cos, f) in channels(bsdf.eval_cos(wo, wi)).zip(channels(bsdf.eval(wo, wi))) {
+            // Sums of up to three lobes whose products are rounded in another order, and numbers below the normal ones.
+            prop_assert!((f_cos - f * wi.z.abs()).abs() <= 1e-5 * f_cos + f32::MIN_POSITIVE, "{} {}", f_cos, f);
+        }
+    }
+
+    #[test]
+    fn the_frame_follows_the_tangent_where_two_roughnesses_differ(alpha in [0.01..1.0_f32, 0.01..1.0_f32]) {
+        let conductor = |alpha: [f32; 2]| {
+            let metal = Metal::new(Rgb::splat(0.2), Rgb::splat(3.0)).unwrap();
+            Material::new_rough_conductor(Ggx { alpha }, metal, Rgb::WHITE.into()).unwrap().calls_for()
+        };
+        prop_assert_eq!(conductor(alpha).anisotropic, alpha[0] != alpha[1]);
+        prop_assert!(!conductor([alpha[0]; 2]).anisotropic);
+    }
+
+    #[test]
     fn reflection_is_reciprocal(
         m in prop_oneof![plain(0.01), phong(0.01), plastic()], wo in direction(), wi in direction()
     ) {

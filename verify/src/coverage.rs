@@ -20,8 +20,8 @@ pub fn circle_in_rectangle(radius: f64, rectangle: [[f64; 2]; 2]) -> f64 {
     radius * radius * (corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0))
 }
 
-/// Area of the unit disk left of `a` and below `b`, up to a constant for b ≥ 1 and another for b in [0, 1), which the difference of
-/// two corners at one b takes away: ∫ min(b, h) + h over x < a where b > −h, h = √(1 − x²).
+/// Area of the unit disk left of `a` and below `b`, up to a constant for each b, which the difference of two corners takes away:
+/// ∫ min(b, h) + h over x < a where b > −h, h = √(1 − x²).
 fn quadrant(a: f64, b: f64) -> f64 {
     let a = a.clamp(-1.0, 1.0);
     if b <= -1.0 {
@@ -35,12 +35,12 @@ fn quadrant(a: f64, b: f64) -> f64 {
     // |x| < c is where the line at b cuts the disk.
     let c = ((1.0 - b) * (1.0 + b)).sqrt();
     let inside = |x: f64| x.clamp(-c, c);
-    let cut = half(inside(a)) - half(-c) + b * (inside(a) + c);
+    let cut = half(inside(a)) + b * inside(a);
     if b < 0.0 {
         return cut;
     }
     // Beside the cut the whole height of the disk is below b.
-    cut + 2.0 * (half(a.min(-c)) + half(a.max(c)) - half(c))
+    cut + 2.0 * (half(a.min(-c)) + half(a.max(c)))
 }
 
 /// Area common to two disks of the radii `r` and `s` whose middles are `distance` apart.

@@ -181,6 +181,10 @@ mod tests {
             assert!(text.contains(part), "{part} is missing");
         }
         assert_eq!(text.matches("<rect").count(), 1 + 3 * 4);
+        // The fullest cell has the last colour of the scale, an empty one the first; both are there once.
+        for [r, g, b] in [SEQUENTIAL[2], SEQUENTIAL[0]] {
+            assert_eq!(text.matches(&format!("fill=\"rgb({r:.0},{g:.0},{b:.0})\"")).count(), 1, "{text}");
+        }
         assert_eq!(svg("", "", &evidence(Vec::new())), None);
     }
 

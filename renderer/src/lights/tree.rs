@@ -215,6 +215,14 @@ mod tests {
         assert!((ball.importance(from) - exact).abs() < 8.0 * f32::EPSILON, "{exact}");
     }
 
+    #[test]
+    fn within_the_ball_a_flat_light_may_face_any_way() {
+        let ball = light([0.0; 3], 0.5, [0.0, 0.0, 1.0], true, 2.0);
+        // Behind the normal: outside nothing comes but what LEAST_COS leaves, inside everything.
+        assert_eq!(ball.importance(Vec3::new(0.0, 0.0, -0.4)), 2.0 / 0.25);
+        assert_eq!(ball.importance(Vec3::new(0.0, 0.0, -4.0)), 2.0 / 16.0 * LEAST_COS);
+    }
+
     proptest! {
         #[test]
         fn probabilities_are_those_of_the_choice(

@@ -170,6 +170,13 @@ mod tests {
     }
 
     #[test]
+    fn the_critical_distance_of_ten_values_is_the_exact_one() {
+        // Exact, from Birnbaum's table (1952): P(D₁₀ > 0.48893) = 0.01. Stephens' factor is good to a per cent.
+        let critical = kolmogorov_critical(0.01) / finite(10.0);
+        assert!((critical / 0.48893 - 1.0).abs() < 0.01, "{critical}");
+    }
+
+    #[test]
     fn uniform_numbers_are_kept_and_twice_the_resolution_is_seen() {
         for statistic in [Statistic::KolmogorovSmirnov, Statistic::AndersonDarling] {
             for sides in [Sides::Upper, Sides::Both] {

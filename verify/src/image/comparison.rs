@@ -274,6 +274,9 @@ mod tests {
         let found = compare(&file(1, 0.1, truth), &file(2, 0.1, truth), 0.5).unwrap();
         assert_eq!(found.verdict, Verdict::Holds, "{found:?}");
         assert!(found.interval[0] < found.bias_percent && found.bias_percent < found.interval[1]);
+        let half = 0.5 * (found.interval[1] - found.interval[0]);
+        // Three roundings of numbers below 1.
+        assert!((found.evidence.interval[1] - found.bias_percent.abs() - half).abs() < 1e-15);
         assert!(found.pooled.resolution_percent < 0.5);
     }
 
