@@ -1,10 +1,10 @@
 //! Rank 3: points on surfaces, with the bound on their rounding error that keeps the next ray off them.
 
 use glam::{DVec3, Vec3};
-use wide::f32x8;
+use wide::{f32x8, f64x8};
 
 use crate::math::Frame;
-use crate::math::eight::{Eight, Vec3x8, next_up};
+use crate::math::eight::{self, Eight, Vec3x8, next_up};
 use crate::ray::Ray;
 
 /// A point on a surface in the render frame.
@@ -36,28 +36,10 @@ impl SurfacePoint {
         Ray::new(self.offset(direction), direction, time)
     }
 
-    /// The segment to `target`, which ends before `target`'s surface.
-    ///
-    /// It ends where it meets the tangent plane at `target` moved towards its origin by `target`'s error bound, and
-    /// so before the surface itself if that is flat or curved away, however the plane's normal and the direction have been
-    /// rounded. A segment within that rounding of the plane has length 0: nothing is in its way.
-    ///
-    /// # Precision, limits
-    /// A direction has f32 components, so the segment passes `target` at up to 2⁻²⁴ of its length to the side.
+    /// The first of what [`EightPoints::spawn_to`] gives.
     #[inline]
     pub fn spawn_to(&self, target: &Self, time: f32) -> Ray {
-        let to = (target.point - self.point).as_dvec3();
-        let origin = self.offset(to.as_vec3());
-        let ray = segment(origin, target.point, time);
-        let (ng, to) = (target.ng.as_dvec3(), target.point.as_dvec3() - origin.as_dvec3());
-        let (length, direction) = (to.length(), ray.direction.as_dvec3());
-        let margin = ng.abs().dot(target.error.as_dvec3()) * f64::from(SLACK);
-        // By how much the ray passes `target`, as a height over the plane, and how fast it loses height.
-        let aside = to - length * direction;
-        let height = ng.dot(aside).abs() + NORMAL_ERROR * aside.length() + margin;
-        let slope = ng.dot(direction).abs() - NORMAL_ERROR;
-        let before = if slope > 0.0 { length - height / slope } else { 0.0 };
-        Ray { t_max: round_down(before), ..ray }
+        EightPoints::splat(self).spawn_to(&EightPoints::splat(target)).get(0, time)
     }
 
     /// The segment to a point that lies on no surface.
@@ -65,44 +47,116 @@ impl SurfacePoint {
         segment(self.offset(target - self.point), target, time)
     }
 
-    /// The point moved along `ng` beyond the error bound, to the side that `direction` points to.
+    /// The first of what [`EightPoints::offset`] gives.
+    #[inline]
+    pub fn offset(&self, direction: Vec3) -> Vec3 {
+        EightPoints::splat(self).offset(Vec3x8::splat(direction)).get(0)
+    }
+}
+
+/// Eight points on surfaces side by side, as far as rays that leave or reach them go.
+#[derive(Debug, Clone, Copy)]
+pub struct EightPoints {
+    /// Where they are.
+    pub point: Vec3x8,
+    /// Bounds as those of a [`SurfacePoint`].
+    pub error: Vec3x8,
+    /// Unit geometric normals.
+    pub ng: Vec3x8,
+}
+
+impl EightPoints {
+    /// Nothing that rays could leave.
+    pub const ZERO: Self = Self { point: Vec3x8::ZERO, error: Vec3x8::ZERO, ng: Vec3x8::ZERO };
+
+    /// The same point eight times.
+    #[inline]
+    pub fn splat(at: &SurfacePoint) -> Self {
+        let [point, error, ng] = [Vec3x8::splat(at.point), Vec3x8::splat(at.error), Vec3x8::splat(at.ng)];
+        Self { point, error, ng }
+    }
+
+    /// Puts a point into a lane below 8.
+    #[inline]
+    pub fn set(&mut self, lane: usize, at: &SurfacePoint) {
+        self.point.set(lane, at.point);
+        self.error.set(lane, at.error);
+        self.ng.set(lane, at.ng);
+    }
+
+    /// The points moved along `ng` beyond the error bound, to the side that `direction` points to.
     ///
     /// # Source
     /// Pharr, Jakob, Humphreys, Physically Based Rendering 4e, section 6.8.6 (the bound's projection on the normal,
     /// then one step outwards for the addition's own rounding).
     #[inline]
-    pub fn offset(&self, direction: Vec3) -> Vec3 {
+    pub fn offset(&self, direction: Vec3x8) -> Vec3x8 {
         let distance = self.ng.abs().dot(self.error) * SLACK;
-        let side = if self.ng.dot(direction) < 0.0 { -1.0 } else { 1.0 };
-        let moved = self.ng * (distance * side);
-        let step = |p: f32, m: f32| {
-            // All three are made, so that a loop over points can be one of vectors.
-            let (up, down) = ((p + m).next_up(), (p + m).next_down());
-            if m > 0.0 {
-                up
-            } else if m < 0.0 {
-                down
-            } else {
-                p
-            }
+        let side = self.ng.dot(direction).simd_lt(0.0).select(-f32x8::ONE, f32x8::ONE);
+        let step = |p: f32x8, m: f32x8| {
+            let to = p + m;
+            m.simd_gt(0.0).select(next_up(to), m.simd_lt(0.0).select(-next_up(-to), p))
         };
-        let p = self.point;
-        Vec3::new(step(p.x, moved.x), step(p.y, moved.y), step(p.z, moved.z))
+        let (Eight([x, y, z]), Eight([mx, my, mz])) = (self.point, self.ng * (distance * side));
+        Eight([step(x, mx), step(y, my), step(z, mz)])
+    }
+
+    /// The segments to `target`, which end before `target`'s surfaces.
+    ///
+    /// One ends where it meets the tangent plane at `target` moved towards its origin by `target`'s error bound, and
+    /// so before the surface itself if that is flat or curved away, however the plane's normal and the direction have been
+    /// rounded. A segment within that rounding of the plane has length 0: nothing is in its way.
+    ///
+    /// # Precision, limits
+    /// A direction has f32 components, so the segment passes `target` at up to 2⁻²⁴ of its length to the side.
+    #[inline]
+    pub fn spawn_to(&self, target: &Self) -> EightSegments {
+        let origin = self.offset(target.point - self.point);
+        let to = target.point.widened() - origin.widened();
+        let length = to.dot(to).sqrt();
+        let Eight([x, y, z]) = (to / length).rounded();
+        // Two points that coincide have no direction; any with an empty segment will do.
+        let (apart, zero) = (eight::rounded(length).simd_gt(0.0), f32x8::ZERO);
+        let direction = Eight([apart.select(x, zero), apart.select(y, zero), apart.select(z, f32x8::ONE)]);
+        let (ng, along) = (target.ng.widened(), direction.widened());
+        let margin = ng.abs().dot(target.error.widened()) * f64::from(SLACK);
+        // By how much the ray passes `target`, as a height over the plane, and how fast it loses height.
+        let aside = to - along * length;
+        let height = ng.dot(aside).abs() + aside.dot(aside).sqrt() * NORMAL_ERROR + margin;
+        let slope = ng.dot(along).abs() - NORMAL_ERROR;
+        let before = slope.simd_gt(0.0).select(length - height / slope, f64x8::ZERO);
+        // Rounds to nearest, then one step down.
+        let t_max = (-next_up(-eight::rounded(before))).fast_max(zero);
+        EightSegments { origin, direction, t_max }
     }
 }
 
-/// What [`SurfacePoint::offset`] gives for eight points, bit for bit.
-#[inline]
-pub fn offset_eight(point: Vec3x8, error: Vec3x8, ng: Vec3x8, direction: Vec3x8) -> Vec3x8 {
-    let distance = ng.abs().dot(error) * SLACK;
-    let side = ng.dot(direction).simd_lt(0.0).select(-f32x8::ONE, f32x8::ONE);
-    let (moved, Eight([x, y, z])) = (ng * (distance * side), point);
-    let step = |p: f32x8, m: f32x8| {
-        let to = p + m;
-        m.simd_gt(0.0).select(next_up(to), m.simd_lt(0.0).select(-next_up(-to), p))
-    };
-    let Eight([mx, my, mz]) = moved;
-    Eight([step(x, mx), step(y, my), step(z, mz)])
+/// Eight segments side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct EightSegments {
+    /// Where they start.
+    pub origin: Vec3x8,
+    /// Their unit directions.
+    pub direction: Vec3x8,
+    /// Their lengths.
+    pub t_max: f32x8,
+}
+
+impl EightSegments {
+    /// The segment in a lane below 8, at `time`.
+    #[inline]
+    pub fn get(&self, lane: usize, time: f32) -> Ray {
+        let t_max = self.t_max.as_array()[lane];
+        Ray { t_max, ..Ray::new(self.origin.get(lane), self.direction.get(lane), time) }
+    }
+
+    /// Puts a segment into a lane below 8.
+    #[inline]
+    pub fn set(&mut self, lane: usize, ray: &Ray) {
+        self.origin.set(lane, ray.origin);
+        self.direction.set(lane, ray.direction);
+        self.t_max.as_mut_array()[lane] = ray.t_max;
+    }
 }
 
 /// The segment between two points; its length is rounded down.

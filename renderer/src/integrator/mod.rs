@@ -1,6 +1,7 @@
 //! Rank 8: which light paths are followed, as stages over batches of samples.
 
 pub mod batch;
+mod connect;
 pub mod path;
 mod scatter;
 pub mod stages;

@@ -4,9 +4,9 @@ use wide::f32x8;
 
 use super::batch::{Batch, Path, Surface};
 use super::stages::frame;
-use crate::interaction::offset_eight;
+use crate::interaction::EightPoints;
 use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe, Matte};
-use crate::math::eight::{Eight, Vec3x8};
+use crate::math::eight::Vec3x8;
 use crate::math::{Frame, Rgb};
 use crate::ray::Ray;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex};
@@ -67,25 +67,23 @@ impl MatteRays {
     fn new(scene: &Scene, surfaces: &[Surface], u: &[[f32; 2]]) -> Self {
         let mut reflectances = [None; LANES];
         let (mut side, mut numbers) = (f32x8::ZERO, [f32x8::ZERO; 2]);
-        let [mut point, mut error, mut ng, mut n] = [Eight([f32x8::ZERO; 3]); 4];
+        let (mut points, mut n) = (EightPoints::ZERO, Vec3x8::ZERO);
         for (lane, (surface, u)) in surfaces.iter().zip(u).enumerate().take(LANES) {
             let at = &surface.interaction;
             let Some(matte) = scene.material(at.object).matte(at.surface.uv) else { continue };
             reflectances[lane] = Some(matte.reflectance());
             side.as_mut_array()[lane] = matte.side(at.wo.dot(at.surface.n));
-            point.set(lane, at.surface.point);
-            error.set(lane, at.surface.error);
-            ng.set(lane, at.surface.ng);
+            points.set(lane, &at.surface);
             n.set(lane, at.surface.n);
             numbers[0].as_mut_array()[lane] = u[0];
             numbers[1].as_mut_array()[lane] = u[1];
         }
         if reflectances.iter().all(Option::is_none) {
-            return Self { reflectances, origin: point, direction: n, pdf: side };
+            return Self { reflectances, origin: n, direction: n, pdf: side };
         }
         let (wi, pdf) = Matte::eight_directions(side, numbers);
         let direction = Frame::eight_to_world(n, wi);
-        Self { reflectances, origin: offset_eight(point, error, ng, direction), direction, pdf }
+        Self { reflectances, origin: points.offset(direction), direction, pdf }
     }
 
     /// The path that goes on from a lane's surface.
@@ -187,8 +185,6 @@ impl<S: Sampler> Bounce<'_, S> {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
     use crate::interaction::SurfacePoint;
     use crate::sampling::warp;
@@ -205,16 +201,15 @@ mod tests {
             };
             let u = |j: usize| [(0.618_034 * lane(j)).fract(), (0.414_214 * lane(j)).fract()];
             let side = |j: usize| if j % 2 == 0 { 1.0 } else { -1.0 };
-            let eight = |of: &dyn Fn(usize) -> Vec3| {
-                let mut all = Eight([f32x8::ZERO; 3]);
-                (0..LANES).for_each(|j| all.set(j, of(j)));
-                all
-            };
+            let (mut points, mut n) = (EightPoints::ZERO, Vec3x8::ZERO);
+            for j in 0..LANES {
+                points.set(j, &surface(j));
+                n.set(j, surface(j).n);
+            }
             let numbers = [0, 1].map(|c| f32x8::new(std::array::from_fn(|j| u(j)[c])));
             let (wi, _) = Matte::eight_directions(f32x8::new(std::array::from_fn(side)), numbers);
-            let direction = Frame::eight_to_world(eight(&|j| surface(j).n), wi);
-            let point = [eight(&|j| surface(j).point), eight(&|j| surface(j).error)];
-            let origin = offset_eight(point[0], point[1], eight(&|j| surface(j).ng), direction);
+            let direction = Frame::eight_to_world(n, wi);
+            let origin = points.offset(direction);
             for j in 0..LANES {
                 let local = side(j) * warp::square_to_cosine_hemisphere(u(j));
                 let alone = surface(j).spawn(Frame::from_z(surface(j).n).to_world(local), 0.0);

@@ -1,12 +1,10 @@
 //! The stages of a batch, each a loop over slices.
 
-use glam::Vec3;
-
+use super::connect::is_connected;
+pub use super::connect::light_points;
 pub use super::scatter::scatter;
 
-use super::batch::{Batch, Connection, Draws, Path, Surface};
-use crate::interaction::Interaction;
-use crate::lights::{Light, LightSample};
+use super::batch::{Batch, Path, Surface};
 use crate::math::{Frame, Rgb};
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, Sampler, Vertex, warp};
@@ -140,91 +138,6 @@ fn found_weight(strategy: Strategy, pdf: Option<f32>, pdf_light: f32) -> f32 {
     }
 }
 
-/// A point on a light for each surface that light can be connected to.
-///
-/// * `last`: whether the edge that follows would be the last of the longest path.
-pub fn light_points<S: Sampler>(
-    scene: &Scene,
-    sampler: &S,
-    strategy: Strategy,
-    last: bool,
-    batch: &mut Batch,
-) {
-    let Batch { surfaces, paths, samples, draws, connections, shadow_rays, .. } = batch;
-    let is_lit = |surface: &&Surface| !scene.calls_for(surface.interaction.object).delta_only;
-    let lit: Vec<&Surface> = surfaces.iter().filter(is_lit).collect();
-    draws.at_surfaces(lit.iter().copied(), paths, samples);
-    if scene.lights.needs_choice() {
-        sampler.draw_1d_each(&draws.places, Decision::LightChoice, &mut draws.choices);
-    } else {
-        draws.no_choices();
-    }
-    if scene.lights.have_extent() {
-        sampler.draw_2d_each(&draws.places, Decision::LightPoint, &mut draws.points);
-    } else {
-        draws.no_points();
-    }
-    let (pmfs, found) = points_on_lights(scene, &lit, draws);
-    for (surface, (pmf, light)) in lit.iter().zip(pmfs.iter().zip(found)) {
-        let Some(light) = light else { continue };
-        let interaction = &surface.interaction;
-        let path = &paths[surface.path as usize];
-        let alone = last && is_connected(scene, strategy, interaction.object);
-        let weighed = !(light.delta || alone || strategy == Strategy::Light);
-        let (f_cos, pdf_bsdf) = towards(scene, path, surface, light.wi, weighed);
-        if f_cos.is_black() {
-            continue;
-        }
-        let pdf = pmf * light.pdf;
-        let weight = if weighed { power_heuristic(pdf, pdf_bsdf) } else { 1.0 };
-        let contribution = path.throughput * f_cos * light.radiance * (weight / pdf);
-        connections.push(Connection { sample: path.sample, contribution });
-        shadow_rays.push(light.shadow_ray);
-    }
-}
-
-/// What the material of a surface makes of light from the direction `wi`: f |cos θᵢ|, and the density of that direction
-/// where it is asked for.
-#[inline]
-fn towards(scene: &Scene, path: &Path, surface: &Surface, wi: Vec3, with_pdf: bool) -> (Rgb, f32) {
-    let Interaction { surface: point, wo, object, .. } = &surface.interaction;
-    if let Some(matte) = scene.material(*object).matte(point.uv) {
-        return matte.eval_cos(wo.dot(point.n), wi.dot(point.n));
-    }
-    let frame = frame(scene, path, surface);
-    let bsdf = scene.material(*object).bsdf(point.uv);
-    let (wo, wi) = (frame.to_local(*wo), frame.to_local(wi));
-    let f_cos = bsdf.eval_cos(wo, wi);
-    let pdf = if with_pdf && !f_cos.is_black() { bsdf.pdf(wo, wi) } else { 0.0 };
-    (f_cos, pdf)
-}
-
-/// For each of `lit` the probability of the light chosen and a point on it.
-fn points_on_lights(scene: &Scene, lit: &[&Surface], draws: &Draws) -> (Vec<f32>, Vec<Option<LightSample>>) {
-    let mut found = Vec::with_capacity(lit.len());
-    if let Some(only) = scene.lights.only() {
-        let from: Vec<&Interaction> = lit.iter().map(|surface| &surface.interaction).collect();
-        only.sample_each(&scene.accel, &from, &draws.points, &mut found);
-        return (vec![1.0; lit.len()], found);
-    }
-    let choose = |(&u, surface): (&f32, &&Surface)| scene.lights.choose(u, surface.interaction.surface.point);
-    let (lights, pmfs): (Vec<&Light>, Vec<f32>) = draws.choices.iter().zip(lit).map(choose).unzip();
-    // Light by light, since a light finds many points faster than as many times one.
-    let mut order: Vec<usize> = (0..lit.len()).collect();
-    order.sort_unstable_by_key(|&k| std::ptr::from_ref(lights[k]));
-    let from: Vec<&Interaction> = order.iter().map(|&k| &lit[k].interaction).collect();
-    let points: Vec<[f32; 2]> = order.iter().map(|&k| draws.points[k]).collect();
-    let mut start = 0;
-    for run in order.chunk_by(|&a, &b| std::ptr::eq(lights[a], lights[b])) {
-        let range = start..start + run.len();
-        lights[run[0]].sample_each(&scene.accel, &from[range.clone()], &points[range], &mut found);
-        start += run.len();
-    }
-    let mut in_place = vec![None; lit.len()];
-    order.iter().zip(found).for_each(|(&k, sample)| in_place[k] = sample);
-    (pmfs, in_place)
-}
-
 /// Adds the light points that nothing hides.
 pub fn occlusion(scene: &Scene, batch: &mut Batch) {
     scene.accel.occluded(&batch.shadow_rays, &mut batch.blocked);
@@ -236,11 +149,6 @@ pub fn occlusion(scene: &Scene, batch: &mut Batch) {
     }
     batch.connections.clear();
     batch.shadow_rays.clear();
-}
-
-/// Whether points on lights are all that is needed for the last edge from the object of that index.
-fn is_connected(scene: &Scene, strategy: Strategy, object: u32) -> bool {
-    strategy == Strategy::Both && scene.lights.are_even() && scene.is_matte(object)
 }
 
 /// Leaves out the surfaces from which no last ray is needed.

@@ -1,11 +1,15 @@
 //! Shapes that emit.
 
-use glam::Vec3;
+use std::ops::{Div, Mul};
 
-use super::LightSample;
+use glam::Vec3;
+use wide::f32x8;
+
+use super::{EightLightSamples, LightSample};
 use crate::accel::{Accel, Object};
-use crate::interaction::{Interaction, SurfacePoint};
+use crate::interaction::{EightPoints, Interaction};
 use crate::math::Rgb;
+use crate::math::eight::Vec3x8;
 use crate::math::float::round_f32;
 use crate::ray::{Hit, Ray};
 use crate::shapes::{Rectangle, Shape};
@@ -95,34 +99,43 @@ impl AreaLight {
         let by_angle = if self.is_near(eye) { object.sample_solid_angle(eye, u) } else { None };
         let (target, pdf_area) = by_angle.unwrap_or_else(|| object.sample_area(u, from.time));
         let radiance = self.radiance.eval(target.uv);
-        let (is_seen, sample) = seen(&target, radiance, pdf_area, &from.surface, from.time);
-        let pdf = by_angle.map_or(sample.pdf, |(_, pdf)| pdf);
-        (is_seen && !radiance.is_black()).then_some(LightSample { pdf, ..sample })
+        let d = target.point - eye;
+        let inverse = d.length_recip();
+        let wi = d * inverse;
+        let cos = -wi.dot(target.ng);
+        // `inverse` is infinite where the points coincide.
+        let is_seen = inverse < f32::INFINITY && cos > 0.0 && !radiance.is_black();
+        let by_area = || per_steradian(pdf_area, d.length_squared(), cos);
+        is_seen.then(|| {
+            let pdf = by_angle.map_or_else(by_area, |(_, pdf)| pdf);
+            LightSample { wi, shadow_ray: from.spawn_to(&target), radiance, pdf, delta: false }
+        })
     }
 
-    /// What [`Self::sample`] gives for each of `from` and its point of `u`, appended to `out`.
-    pub fn sample_each(
+    /// What [`Self::sample`] gives at up to eight surfaces for the points of `u`, bit for bit.
+    ///
+    /// * `points`: those surfaces side by side.
+    pub fn sample_eight(
         &self,
         accel: &Accel,
         from: &[&Interaction],
+        points: &EightPoints,
         u: &[[f32; 2]],
-        out: &mut Vec<Option<LightSample>>,
-    ) {
+    ) -> EightLightSamples {
         let object = &accel.objects()[self.object as usize];
-        match (&object.shape, &self.radiance) {
-            (Shape::Rectangle(rectangle), Texture::Constant(radiance))
-                if object.motion.is_none() && from.len() >= 8 =>
-            {
-                let first = out.len();
-                sample_rectangle(rectangle, *radiance, from, u, out);
-                for (out, (from, u)) in out[first..].iter_mut().zip(from.iter().zip(u)) {
-                    if self.is_near(from.surface.point) {
-                        *out = self.sample(accel, from, *u);
-                    }
-                }
+        let mut samples = match (&object.shape, &self.radiance) {
+            (Shape::Rectangle(rectangle), Texture::Constant(radiance)) if object.motion.is_none() => {
+                sample_rectangle(rectangle, *radiance, points, u)
             }
-            _ => out.extend(from.iter().zip(u).map(|(from, u)| self.sample(accel, from, *u))),
+            _ => return EightLightSamples::one_by_one(from, u, |from, u| self.sample(accel, from, u)),
+        };
+        samples.seen &= (1 << from.len()) - 1;
+        for (lane, (from, u)) in from.iter().zip(u).enumerate() {
+            if self.is_near(from.surface.point) {
+                samples.set(lane, self.sample(accel, from, *u));
+            }
         }
+        samples
     }
 
     /// Density per steradian with which [`Self::sample`] would have drawn the point `hit` of this light from the
@@ -139,148 +152,46 @@ impl AreaLight {
     }
 }
 
-/// Points on a light of constant radiance by area, many at once: the loop over lanes becomes one of vectors.
+/// Points on a light of constant radiance by area, seen from eight surfaces: the formulas of [`AreaLight::sample`].
 fn sample_rectangle(
     rectangle: &Rectangle,
     radiance: Rgb,
-    from: &[&Interaction],
+    from: &EightPoints,
     u: &[[f32; 2]],
-    out: &mut Vec<Option<LightSample>>,
-) {
-    let pdf_area = round_f32(1.0 / rectangle.area());
-    let mut lanes = Lanes::EMPTY;
-    for (from, u) in from.chunks(LANES).zip(u.chunks(LANES)) {
-        lanes.fill(from, u);
-        // Whole vectors, whatever lies beyond the end.
-        for lane in 0..from.len().next_multiple_of(8).min(LANES) {
-            let target = rectangle.sample_area([lanes.u[0][lane], lanes.u[1][lane]]);
-            let (is_seen, sample) = seen(&target, radiance, pdf_area, &lanes.surface(lane), 0.0);
-            lanes.set(lane, is_seen, &sample);
-        }
-        out.extend(from.iter().enumerate().map(|(lane, from)| {
-            let (wi, pdf, ray) = lanes.sample(lane);
-            let shadow_ray = Ray { time: from.time, ..ray };
-            let sample = LightSample { wi, shadow_ray, radiance, pdf, delta: false };
-            lanes.is_seen[lane].then_some(sample)
-        }));
+) -> EightLightSamples {
+    let mut numbers = [f32x8::ZERO; 2];
+    for (lane, u) in u.iter().enumerate().take(8) {
+        (numbers[0].as_mut_array()[lane], numbers[1].as_mut_array()[lane]) = (u[0], u[1]);
     }
-}
-
-/// The sample at `target`, a point of that radiance taken by area, as seen from `from` at `time`; and whether the light sends anything this way.
-#[inline]
-fn seen(
-    target: &SurfacePoint,
-    radiance: Rgb,
-    pdf_area: f32,
-    from: &SurfacePoint,
-    time: f32,
-) -> (bool, LightSample) {
+    let target = rectangle.sample_area_eight(numbers);
     let d = target.point - from.point;
-    let inverse = d.length_recip();
+    let d2 = d.dot(d);
+    let inverse = f32x8::ONE / d2.sqrt();
     let wi = d * inverse;
     let cos = -wi.dot(target.ng);
-    let pdf = per_steradian(pdf_area, d.length_squared(), cos);
-    let shadow_ray = from.spawn_to(target, time);
-    // `inverse` is infinite where the points coincide; no branch, so that a loop can be one of vectors.
-    let is_seen = (inverse < f32::INFINITY) & (cos > 0.0);
-    (is_seen, LightSample { wi, shadow_ray, radiance, pdf, delta: false })
-}
-
-/// Surfaces whose light points are found at once.
-const LANES: usize = 64;
-
-/// Three coordinates of each lane.
-#[derive(Debug, Clone, Copy)]
-struct Vectors([[f32; LANES]; 3]);
-
-impl Vectors {
-    const ZERO: Self = Self([[0.0; LANES]; 3]);
-
-    #[inline]
-    fn get(&self, lane: usize) -> Vec3 {
-        Vec3::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
-    }
-
-    #[inline]
-    fn set(&mut self, lane: usize, v: Vec3) {
-        for (axis, value) in self.0.iter_mut().zip(v.to_array()) {
-            axis[lane] = value;
-        }
-    }
-}
-
-/// Surfaces and the samples that they see, number by number.
-struct Lanes {
-    point: Vectors,
-    error: Vectors,
-    ng: Vectors,
-    u: [[f32; LANES]; 2],
-    wi: Vectors,
-    origin: Vectors,
-    direction: Vectors,
-    t_max: [f32; LANES],
-    pdf: [f32; LANES],
-    is_seen: [bool; LANES],
-}
-
-impl Lanes {
-    const EMPTY: Self = Self {
-        point: Vectors::ZERO,
-        error: Vectors::ZERO,
-        ng: Vectors::ZERO,
-        u: [[0.0; LANES]; 2],
-        wi: Vectors::ZERO,
-        origin: Vectors::ZERO,
-        direction: Vectors::ZERO,
-        t_max: [0.0; LANES],
-        pdf: [0.0; LANES],
-        is_seen: [false; LANES],
-    };
-
-    /// Puts in surfaces, with the numbers for their points, from the first lane on.
-    fn fill(&mut self, from: &[&Interaction], u: &[[f32; 2]]) {
-        for (lane, (from, u)) in from.iter().zip(u).enumerate() {
-            self.point.set(lane, from.surface.point);
-            self.error.set(lane, from.surface.error);
-            self.ng.set(lane, from.surface.ng);
-            [self.u[0][lane], self.u[1][lane]] = *u;
-        }
-    }
-
-    /// What matters of a surface.
-    #[inline]
-    fn surface(&self, lane: usize) -> SurfacePoint {
-        let ng = self.ng.get(lane);
-        let (point, error) = (self.point.get(lane), self.error.get(lane));
-        SurfacePoint { point, error, ng, n: ng, uv: [0.0; 2] }
-    }
-
-    #[inline]
-    fn set(&mut self, lane: usize, is_seen: bool, sample: &LightSample) {
-        self.wi.set(lane, sample.wi);
-        self.origin.set(lane, sample.shadow_ray.origin);
-        self.direction.set(lane, sample.shadow_ray.direction);
-        self.t_max[lane] = sample.shadow_ray.t_max;
-        self.pdf[lane] = sample.pdf;
-        self.is_seen[lane] = is_seen;
-    }
-
-    /// Direction, density and shadow ray; its time is left at 0.
-    fn sample(&self, lane: usize) -> (Vec3, f32, Ray) {
-        let ray = Ray::new(self.origin.get(lane), self.direction.get(lane), 0.0);
-        (self.wi.get(lane), self.pdf[lane], Ray { t_max: self.t_max[lane], ..ray })
+    let pdf = per_steradian(f32x8::splat(round_f32(1.0 / rectangle.area())), d2, cos);
+    let is_seen = inverse.simd_lt(f32::INFINITY) & cos.simd_gt(0.0);
+    let radiance = Vec3x8::splat(radiance.to_array().into());
+    EightLightSamples {
+        seen: is_seen.to_bitmask(),
+        wi,
+        shadow: from.spawn_to(&target),
+        radiance,
+        pdf,
+        delta: false,
     }
 }
 
 /// A density per m² at squared distance `d2`, seen under the cosine `cos`, as one per steradian: p·d² / cos.
 #[inline]
-fn per_steradian(pdf_area: f32, d2: f32, cos: f32) -> f32 {
+fn per_steradian<T: Mul<Output = T> + Div<Output = T>>(pdf_area: T, d2: T, cos: T) -> T {
     pdf_area * d2 / cos
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interaction::SurfacePoint;
     use crate::shapes::ShapeSettings;
     use glam::{DAffine3, DVec3};
 
@@ -300,13 +211,18 @@ mod tests {
         let mut from: Vec<Interaction> = (0..150_u8).map(|i| at(f32::from(i))).collect();
         from[7].surface.point = accel.objects()[0].sample_area([0.5; 2], 0.0).0.point;
         let u: Vec<[f32; 2]> = (0..150_u8).map(|i| [f32::from(i) / 150.0, 0.5]).collect();
-        for count in [0, 3, 8, 61, 64, 65, 150] {
-            let (from, mut found) = (from.iter().take(count).collect::<Vec<_>>(), Vec::new());
-            light.sample_each(&accel, &from, &u[..count], &mut found);
-            let single: Vec<_> =
-                from.iter().zip(&u).map(|(from, u)| light.sample(&accel, from, *u)).collect();
-            assert!(found == single, "{count}");
-            assert!(count < 8 || found.iter().any(Option::is_some) && found.iter().any(Option::is_none));
+        let (mut seen, mut hidden) = (0, 0);
+        for (from, u) in from.chunks(7).zip(u.chunks(7)) {
+            let from: Vec<&Interaction> = from.iter().collect();
+            let mut points = EightPoints::ZERO;
+            from.iter().enumerate().for_each(|(lane, from)| points.set(lane, &from.surface));
+            let found = light.sample_eight(&accel, &from, &points, u);
+            for (lane, (from, u)) in from.iter().zip(u).enumerate() {
+                let single = light.sample(&accel, from, *u);
+                assert_eq!(found.get(lane, from.time), single);
+                *if single.is_some() { &mut seen } else { &mut hidden } += 1;
+            }
         }
+        assert!(seen > 20 && hidden > 20, "{seen} {hidden}");
     }
 }

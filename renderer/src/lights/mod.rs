@@ -4,10 +4,12 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
+use wide::f32x8;
 
 use crate::accel::Accel;
-use crate::interaction::Interaction;
+use crate::interaction::{EightPoints, EightSegments, Interaction};
 use crate::math::Rgb;
+use crate::math::eight::Vec3x8;
 use crate::ray::{Hit, Ray};
 use crate::sampling::warp;
 
@@ -68,6 +70,65 @@ pub struct LightSample {
     pub delta: bool,
 }
 
+/// Points on lights seen from eight surfaces, side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct EightLightSamples {
+    /// The lanes in which there is a sample, as bits.
+    pub seen: u32,
+    /// As in a [`LightSample`].
+    pub wi: Vec3x8,
+    /// The segments that must be free.
+    pub shadow: EightSegments,
+    /// As in a [`LightSample`].
+    pub radiance: Vec3x8,
+    /// As in a [`LightSample`].
+    pub pdf: f32x8,
+    /// Whether the lights have no extent.
+    pub delta: bool,
+}
+
+impl EightLightSamples {
+    /// The samples that `sample` makes at up to eight surfaces.
+    fn one_by_one(
+        from: &[&Interaction],
+        u: &[[f32; 2]],
+        sample: impl Fn(&Interaction, [f32; 2]) -> Option<LightSample>,
+    ) -> Self {
+        let zero = Vec3x8::ZERO;
+        let shadow = EightSegments { origin: zero, direction: zero, t_max: f32x8::ZERO };
+        let mut samples = Self { seen: 0, wi: zero, shadow, radiance: zero, pdf: f32x8::ZERO, delta: false };
+        for (lane, (from, u)) in from.iter().zip(u).enumerate().take(8) {
+            samples.set(lane, sample(from, *u));
+        }
+        samples
+    }
+
+    /// Puts what there is into a lane below 8.
+    fn set(&mut self, lane: usize, sample: Option<LightSample>) {
+        self.seen &= !(1 << lane);
+        if let Some(sample) = sample {
+            self.seen |= 1 << lane;
+            self.wi.set(lane, sample.wi);
+            self.shadow.set(lane, &sample.shadow_ray);
+            self.radiance.set(lane, sample.radiance.to_array().into());
+            self.pdf.as_mut_array()[lane] = sample.pdf;
+            self.delta |= sample.delta;
+        }
+    }
+
+    /// The sample in a lane below 8, at `time`.
+    #[inline]
+    pub fn get(&self, lane: usize, time: f32) -> Option<LightSample> {
+        (self.seen >> lane & 1 == 1).then(|| LightSample {
+            wi: self.wi.get(lane),
+            shadow_ray: self.shadow.get(lane, time),
+            radiance: Rgb::from(self.radiance.get(lane).to_array()),
+            pdf: self.pdf.as_array()[lane],
+            delta: self.delta,
+        })
+    }
+}
+
 impl Light {
     /// A point on the light for `u` in [0, 1)², as seen from `from`.
     ///
@@ -122,17 +183,19 @@ impl Light {
         }
     }
 
-    /// What [`Self::sample`] gives for each of `from` and its point of `u`, appended to `out`.
-    pub fn sample_each(
+    /// What [`Self::sample`] gives at up to eight surfaces for the points of `u`, bit for bit.
+    ///
+    /// * `points`: those surfaces side by side.
+    pub fn sample_eight(
         &self,
         accel: &Accel,
         from: &[&Interaction],
+        points: &EightPoints,
         u: &[[f32; 2]],
-        out: &mut Vec<Option<LightSample>>,
-    ) {
+    ) -> EightLightSamples {
         match self {
-            Self::Area(light) => light.sample_each(accel, from, u, out),
-            _ => out.extend(from.iter().zip(u).map(|(from, u)| self.sample(accel, from, *u))),
+            Self::Area(light) => light.sample_eight(accel, from, points, u),
+            _ => EightLightSamples::one_by_one(from, u, |from, u| self.sample(accel, from, u)),
         }
     }
 

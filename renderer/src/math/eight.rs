@@ -1,6 +1,6 @@
 //! Eight vectors side by side, so that a formula is evaluated for eight lanes at once; each gets the bits of the formula alone.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 use bytemuck::cast;
 use glam::{DVec3, Vec3};
@@ -55,15 +55,48 @@ impl<T: Copy + Mul<Output = T>> Mul<T> for Eight<T> {
     }
 }
 
+impl<T: Copy + Div<Output = T>> Div<T> for Eight<T> {
+    type Output = Self;
+
+    #[inline]
+    fn div(self, divisor: T) -> Self {
+        let [x, y, z] = self.0;
+        Self([x / divisor, y / divisor, z / divisor])
+    }
+}
+
 impl DVec3x8 {
     /// The same vector eight times.
     #[inline]
     pub fn splat(v: DVec3) -> Self {
         Self([f64x8::splat(v.x), f64x8::splat(v.y), f64x8::splat(v.z)])
     }
+
+    /// The vectors rounded to f32.
+    #[inline]
+    pub fn rounded(self) -> Vec3x8 {
+        let [x, y, z] = self.0;
+        Eight([rounded(x), rounded(y), rounded(z)])
+    }
+
+    /// The magnitudes of the coordinates.
+    #[inline]
+    pub fn abs(self) -> Self {
+        let [x, y, z] = self.0;
+        Self([x.abs(), y.abs(), z.abs()])
+    }
 }
 
 impl Vec3x8 {
+    /// Zero eight times.
+    pub const ZERO: Self = Self([f32x8::ZERO; 3]);
+
+    /// The same vector eight times.
+    #[inline]
+    pub fn splat(v: Vec3) -> Self {
+        Self([f32x8::splat(v.x), f32x8::splat(v.y), f32x8::splat(v.z)])
+    }
+
     /// The vectors in f64.
     #[inline]
     pub fn widened(self) -> DVec3x8 {
@@ -95,7 +128,7 @@ impl Vec3x8 {
 
 /// Eight numbers as f64.
 #[inline]
-fn widened(x: f32x8) -> f64x8 {
+pub fn widened(x: f32x8) -> f64x8 {
     let mut wide = [0.0; 8];
     for (wide, x) in wide.iter_mut().zip(x.to_array()) {
         *wide = f64::from(x);

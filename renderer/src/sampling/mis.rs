@@ -1,5 +1,7 @@
 //! Weights that combine several ways of sampling the same integral.
 
+use wide::f32x8;
+
 /// The balance heuristic: `pdf` / (`pdf` + `other`).
 ///
 /// * `pdf`: density of the sample by the way it was drawn; `other`: by the other way. Same measure, not negative;
@@ -29,6 +31,13 @@ pub fn balance_heuristic(pdf: f32, other: f32) -> f32 {
 #[inline]
 pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     share(pdf, other, |ratio| ratio * ratio)
+}
+
+/// [`power_heuristic`] of eight pairs, bit for bit where one of the two densities is finite and above 0.
+#[inline]
+pub fn power_heuristic_eight(pdf: f32x8, other: f32x8) -> f32x8 {
+    let ratio = other / pdf;
+    f32x8::ONE / (f32x8::ONE + ratio * ratio)
 }
 
 #[inline]

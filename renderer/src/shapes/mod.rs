@@ -25,7 +25,7 @@ pub use sphere::Sphere;
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::math::eight;
+use crate::math::eight::{self, DVec3x8, Eight, Vec3x8};
 use crate::math::transform::check_affine;
 use crate::ray::{EightRays, Ray};
 
@@ -325,6 +325,17 @@ fn rounded(p: DVec3, extent: f64) -> (glam::Vec3, glam::Vec3) {
     let small = (extent * 2f64.powi(-46)) as f32;
     let half_ulp = point.abs().map(|c| c * (0.5 * f32::EPSILON) + f32::MIN_POSITIVE);
     (point, half_ulp + small)
+}
+
+/// `rounded` of eight points, bit for bit.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is what the bound accounts for")]
+fn rounded_eight(p: DVec3x8, extent: f64) -> (Vec3x8, Vec3x8) {
+    let point = p.rounded();
+    let small = (extent * 2f64.powi(-46)) as f32;
+    let Eight([x, y, z]) = point.abs();
+    let error = |c: f32x8| c * (0.5 * f32::EPSILON) + f32::MIN_POSITIVE + small;
+    (point, Eight([error(x), error(y), error(z)]))
 }
 
 /// What `rounded` gives for a surface of radius of curvature `radius`, of the size `extent`.

@@ -3,9 +3,9 @@
 use glam::{DAffine3, DVec3};
 use wide::{f32x8, f64x8};
 
-use super::{accept, accept_eight, rounded};
-use crate::interaction::SurfacePoint;
-use crate::math::eight::DVec3x8;
+use super::{accept, accept_eight, rounded, rounded_eight};
+use crate::interaction::{EightPoints, SurfacePoint};
+use crate::math::eight::{self, DVec3x8, Vec3x8};
 use crate::ray::{EightRays, Ray};
 
 /// The image of the plane z = 0 under an affine map: points center + x·a + y·b.
@@ -87,6 +87,15 @@ impl Plane {
         let away = (height.simd_gt(0.0) ^ slope.simd_gt(0.0)).to_bitmask();
         let p = o + d * t;
         (accepted & away, distance, [along(self.dual_a, p), along(self.dual_b, p)])
+    }
+
+    /// Eight points at (x, y).
+    #[inline]
+    pub(super) fn points(&self, [x, y]: [f32x8; 2]) -> EightPoints {
+        let of = |v: DVec3| DVec3x8::splat(v);
+        let p = of(self.center) + of(self.a) * eight::widened(x) + of(self.b) * eight::widened(y);
+        let (point, error) = rounded_eight(p, self.extent);
+        EightPoints { point, error, ng: Vec3x8::splat(self.normal) }
     }
 
     /// The point at (x, y), with texture coordinates `uv`.

@@ -1,0 +1,194 @@
+//! The stage that connects surfaces to points on lights.
+
+use std::f32::consts::FRAC_1_PI;
+
+use wide::f32x8;
+
+use super::batch::{Batch, Connection, Path, Surface};
+use super::stages::frame;
+use crate::interaction::{EightPoints, Interaction};
+use crate::lights::{EightLightSamples, Light, LightSample};
+use crate::math::Rgb;
+use crate::math::eight::{Eight, Vec3x8};
+use crate::ray::Ray;
+use crate::sampling::mis::{power_heuristic, power_heuristic_eight};
+use crate::sampling::{Decision, Sampler};
+use crate::scene::{Scene, Strategy};
+
+/// A point on a light for each surface that light can be connected to.
+///
+/// * `last`: whether the edge that follows would be the last of the longest path.
+pub fn light_points<S: Sampler>(
+    scene: &Scene,
+    sampler: &S,
+    strategy: Strategy,
+    last: bool,
+    batch: &mut Batch,
+) {
+    let Batch { surfaces, paths, samples, draws, connections, shadow_rays, .. } = batch;
+    let is_lit = |surface: &&Surface| !scene.calls_for(surface.interaction.object).delta_only;
+    let lit: Vec<&Surface> = surfaces.iter().filter(is_lit).collect();
+    draws.at_surfaces(lit.iter().copied(), paths, samples);
+    if scene.lights.needs_choice() {
+        sampler.draw_1d_each(&draws.places, Decision::LightChoice, &mut draws.choices);
+    } else {
+        draws.no_choices();
+    }
+    if scene.lights.have_extent() {
+        sampler.draw_2d_each(&draws.places, Decision::LightPoint, &mut draws.points);
+    } else {
+        draws.no_points();
+    }
+    let to = Connector { scene, strategy, last, paths };
+    let mut connect = |surface: &Surface, contribution: Rgb, ray: Ray| {
+        connections.push(Connection { sample: paths[surface.path as usize].sample, contribution });
+        shadow_rays.push(ray);
+    };
+    if let Some(only) = scene.lights.only() {
+        for (lit, points) in lit.chunks(LANES).zip(draws.points.chunks(LANES)) {
+            to.light(only, lit, &[1.0; LANES], points, |k, contribution, ray| {
+                connect(lit[k], contribution, ray);
+            });
+        }
+        return;
+    }
+    let choose = |(&u, surface): (&f32, &&Surface)| scene.lights.choose(u, surface.interaction.surface.point);
+    let (lights, pmfs): (Vec<&Light>, Vec<f32>) = draws.choices.iter().zip(&lit).map(choose).unzip();
+    // Light by light, since eight points on one are found at once; what they give is added in the surfaces' order.
+    let mut order: Vec<usize> = (0..lit.len()).collect();
+    order.sort_by_key(|&k| std::ptr::from_ref(lights[k]));
+    let mut found = vec![None; lit.len()];
+    for run in order.chunk_by(|&a, &b| std::ptr::eq(lights[a], lights[b])) {
+        for lanes in run.chunks(LANES) {
+            let surfaces: Vec<&Surface> = lanes.iter().map(|&k| lit[k]).collect();
+            let points: Vec<[f32; 2]> = lanes.iter().map(|&k| draws.points[k]).collect();
+            let mut pmf = [1.0; LANES];
+            pmf.iter_mut().zip(lanes).for_each(|(pmf, &k)| *pmf = pmfs[k]);
+            to.light(lights[run[0]], &surfaces, &pmf, &points, |lane, contribution, ray| {
+                found[lanes[lane]] = Some((contribution, ray));
+            });
+        }
+    }
+    for (surface, found) in lit.iter().zip(found) {
+        if let Some((contribution, ray)) = found {
+            connect(surface, contribution, ray);
+        }
+    }
+}
+
+/// Whether points on lights are all that is needed for the last edge from the object of that index.
+pub(super) fn is_connected(scene: &Scene, strategy: Strategy, object: u32) -> bool {
+    strategy == Strategy::Both && scene.lights.are_even() && scene.is_matte(object)
+}
+
+/// Surfaces connected together.
+const LANES: usize = 8;
+
+/// How surfaces are connected.
+struct Connector<'a> {
+    scene: &'a Scene,
+    strategy: Strategy,
+    last: bool,
+    paths: &'a [Path],
+}
+
+impl Connector<'_> {
+    /// Connects up to eight surfaces to one light.
+    ///
+    /// * `pmf`: with which probabilities the light was chosen; `u`: numbers for points on it.
+    /// * `connect`: called with each lane whose sample would get something, with that and the shadow ray.
+    #[inline]
+    fn light(
+        &self,
+        light: &Light,
+        surfaces: &[&Surface],
+        pmf: &[f32; LANES],
+        u: &[[f32; 2]],
+        mut connect: impl FnMut(usize, Rgb, Ray),
+    ) {
+        let (mut points, mut matte) = (EightPoints::ZERO, MatteLanes::NONE);
+        let mut from = [&surfaces[0].interaction; LANES];
+        for (lane, surface) in surfaces.iter().enumerate().take(LANES) {
+            from[lane] = &surface.interaction;
+            points.set(lane, &surface.interaction.surface);
+            matte.set(self.scene, lane, surface, &self.paths[surface.path as usize]);
+        }
+        let samples = light.sample_eight(&self.scene.accel, &from[..surfaces.len()], &points, u);
+        let pmf = f32x8::new(*pmf);
+        let alone = self.last && self.strategy == Strategy::Both && self.scene.lights.are_even();
+        let weighed = !(samples.delta || alone || self.strategy == Strategy::Light);
+        let contributions = matte.contributions(&samples, pmf, weighed);
+        let mut left = samples.seen;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let surface = surfaces[lane];
+            let contribution = if matte.is_matte >> lane & 1 == 1 {
+                Rgb::from(contributions.get(lane).to_array())
+            } else if let Some(sample) = samples.get(lane, 0.0) {
+                self.general(surface, &sample, pmf.as_array()[lane])
+            } else {
+                continue;
+            };
+            if !contribution.is_black() {
+                connect(lane, contribution, samples.shadow.get(lane, surface.interaction.time));
+            }
+        }
+    }
+
+    /// What a sample gets from a light point by a surface of any material, if nothing is in the way.
+    fn general(&self, surface: &Surface, light: &LightSample, pmf: f32) -> Rgb {
+        let Interaction { surface: point, wo, object, .. } = &surface.interaction;
+        let path = &self.paths[surface.path as usize];
+        let frame = frame(self.scene, path, surface);
+        let bsdf = self.scene.material(*object).bsdf(point.uv);
+        let (wo, wi) = (frame.to_local(*wo), frame.to_local(light.wi));
+        let f_cos = bsdf.eval_cos(wo, wi);
+        if f_cos.is_black() {
+            return Rgb::BLACK;
+        }
+        let pdf = pmf * light.pdf;
+        let weighed = !(light.delta || self.strategy == Strategy::Light);
+        let weight = if weighed { power_heuristic(pdf, bsdf.pdf(wo, wi)) } else { 1.0 };
+        path.throughput * f_cos * light.radiance * (weight / pdf)
+    }
+}
+
+/// The diffuse ones of eight surfaces.
+struct MatteLanes {
+    /// Their lanes, as bits.
+    is_matte: u32,
+    /// 1 for paths above the surface, −1 below, 0 where nothing is scattered.
+    side: f32x8,
+    n: Vec3x8,
+    /// Reflectance times the path's throughput.
+    weight: Vec3x8,
+}
+
+impl MatteLanes {
+    const NONE: Self = Self { is_matte: 0, side: f32x8::ZERO, n: Vec3x8::ZERO, weight: Vec3x8::ZERO };
+
+    #[inline]
+    fn set(&mut self, scene: &Scene, lane: usize, surface: &Surface, path: &Path) {
+        let at = &surface.interaction;
+        if let Some(matte) = scene.material(at.object).matte(at.surface.uv) {
+            self.is_matte |= 1 << lane;
+            self.side.as_mut_array()[lane] = matte.side(at.wo.dot(at.surface.n));
+            self.n.set(lane, at.surface.n);
+            self.weight.set(lane, (path.throughput * matte.reflectance()).to_array().into());
+        }
+    }
+
+    /// What the samples get from light points, if nothing is in the way: ρ/π · cos θᵢ · L / pdf, weighed.
+    #[inline]
+    fn contributions(&self, light: &EightLightSamples, pmf: f32x8, weighed: bool) -> Vec3x8 {
+        let cos = (light.wi.dot(self.n) * self.side).fast_max(f32x8::ZERO);
+        // The density of the direction, and the value times the cosine for a reflectance of 1.
+        let pdf_bsdf = cos * FRAC_1_PI;
+        let pdf = pmf * light.pdf;
+        let weight = if weighed { power_heuristic_eight(pdf, pdf_bsdf) } else { f32x8::ONE };
+        let (Eight([r, g, b]), Eight([lr, lg, lb])) =
+            (self.weight * (pdf_bsdf * (weight / pdf)), light.radiance);
+        Eight([r * lr, g * lg, b * lb])
+    }
+}
