@@ -132,6 +132,7 @@ impl Accel {
     }
 
     /// The surface at a hit that `closest` found for `ray`.
+    #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
         debug_assert!(
             (self.shutter[0]..=self.shutter[1]).contains(&f64::from(ray.time))

@@ -44,6 +44,7 @@ impl Object {
     }
 
     /// The surface in the render frame at a hit of `ray`.
+    #[inline]
     pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
         match &self.motion {
             None => self.shape.surface(element, hit, ray),

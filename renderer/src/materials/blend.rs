@@ -40,6 +40,11 @@ impl Blend {
         Material::new_blend(self.weight.clone(), [first.sharp()?, second.sharp()?]).ok()
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.weight.varies() || self.parts.iter().any(Material::is_textured)
+    }
+
     /// What either part calls for, and a choice between them.
     pub fn calls_for(&self) -> Calls {
         Calls { lobe: true, ..self.parts[0].calls_for().or(self.parts[1].calls_for()) }

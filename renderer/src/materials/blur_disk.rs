@@ -67,6 +67,11 @@ impl BlurDisk<Texture> {
         self.eta.is_some()
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.reflectance.varies() || self.transmittance.varies()
+    }
+
     /// The surface at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> BlurDisk<Rgb> {
         let (reflectance, transmittance) = (self.reflectance.eval(uv), self.transmittance.eval(uv));

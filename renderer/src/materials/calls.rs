@@ -1,5 +1,7 @@
 //! What a material asks of a render.
 
+use super::Material;
+
 /// Which random decisions a material makes, and which effects it calls for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Calls {
@@ -27,6 +29,29 @@ impl Calls {
             dielectric: self.dielectric || other.dielectric,
             delta_only: self.delta_only && other.delta_only,
             anisotropic: self.anisotropic || other.anisotropic,
+        }
+    }
+}
+
+impl Material {
+    /// Whether it looks at surface coordinates.
+    pub fn is_textured(&self) -> bool {
+        match self {
+            Self::Diffuse(m) => m.is_textured(),
+            Self::Mirror(m) => m.is_textured(),
+            Self::Conductor(m) => m.is_textured(),
+            Self::RoughConductor(m) => m.is_textured(),
+            Self::Dielectric(m) => m.is_textured(),
+            Self::RoughDielectric(m) => m.is_textured(),
+            Self::ThinDielectric(m) => m.is_textured(),
+            Self::BlurDisk(m) => m.is_textured(),
+            Self::Phong(m) => m.is_textured(),
+            Self::Plastic(m) => m.is_textured(),
+            Self::RoughPlastic(m) => m.is_textured(),
+            Self::Mask(m) => m.is_textured(),
+            Self::Blend(m) => m.is_textured(),
+            Self::Faces(m) => m.is_textured(),
+            Self::TwoSided(inner) => inner.is_textured(),
         }
     }
 }

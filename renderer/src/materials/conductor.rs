@@ -70,6 +70,11 @@ impl Conductor<Texture> {
         Ok(Self { metal, reflectance: specular_reflectance })
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.reflectance.varies()
+    }
+
     /// The metal at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> Conductor<Rgb> {
         Conductor { metal: self.metal, reflectance: self.reflectance.eval(uv) }

@@ -52,6 +52,11 @@ impl Dielectric<Texture> {
         self.eta == 1.0 && self.transmittance.range() == [1.0, 1.0]
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.reflectance.varies() || self.transmittance.varies()
+    }
+
     /// The boundary at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> Dielectric<Rgb> {
         let (reflectance, transmittance) = (self.reflectance.eval(uv), self.transmittance.eval(uv));

@@ -31,6 +31,11 @@ impl Diffuse<Texture> {
         Ok(Self { reflectance })
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.reflectance.varies()
+    }
+
     /// The reflector at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> Diffuse<Rgb> {
         Diffuse { reflectance: self.reflectance.eval(uv) }

@@ -32,6 +32,11 @@ impl Faces {
         Ok(Self(Box::new([upper, lower])))
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.0.iter().any(Material::is_textured)
+    }
+
     /// What either side calls for.
     pub fn calls_for(&self) -> Calls {
         let [upper, lower] = &*self.0;

@@ -35,6 +35,11 @@ impl Mask {
         Ok(Self { opacity, inner: Box::new(inner) })
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.opacity.varies() || self.inner.is_textured()
+    }
+
     /// The same share of the inner material's sharp form.
     pub(super) fn sharp(&self) -> Option<Material> {
         Material::new_mask(self.opacity.clone(), self.inner.sharp()?).ok()

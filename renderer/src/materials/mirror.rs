@@ -25,6 +25,11 @@ impl Mirror<Texture> {
         Ok(Self { reflectance })
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.reflectance.varies()
+    }
+
     /// The mirror at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> Mirror<Rgb> {
         Mirror { reflectance: self.reflectance.eval(uv) }

@@ -46,6 +46,11 @@ impl Phong<Texture> {
         Ok(Self { diffuse, specular, exponent, highlight })
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.diffuse.varies() || self.specular.varies()
+    }
+
     /// The surface at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> Phong<Rgb> {
         let (diffuse, specular) = (self.diffuse.eval(uv), self.specular.eval(uv));

@@ -81,6 +81,11 @@ impl Plastic<Texture> {
         Ok(Self { body: Body { eta, escaping, nonlinear }, diffuse, specular, highlight })
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.diffuse.varies() || self.specular.varies()
+    }
+
     /// The plastic at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> Plastic<Rgb> {
         let (diffuse, specular) = (self.diffuse.eval(uv), self.specular.eval(uv));

@@ -46,6 +46,11 @@ impl RoughConductor<Texture> {
         Material::new_conductor(self.metal, self.reflectance.clone()).ok()
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.reflectance.varies()
+    }
+
     /// The metal at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> RoughConductor<Rgb> {
         RoughConductor { facets: self.facets, metal: self.metal, reflectance: self.reflectance.eval(uv) }

@@ -69,6 +69,11 @@ impl RoughDielectric<Texture> {
         self.facets.is_anisotropic()
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.reflectance.varies() || self.transmittance.varies()
+    }
+
     /// The boundary at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> RoughDielectric<Rgb> {
         let (reflectance, transmittance) = (self.reflectance.eval(uv), self.transmittance.eval(uv));

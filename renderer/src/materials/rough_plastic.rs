@@ -100,6 +100,11 @@ impl RoughPlastic {
         self.coat.facets.is_anisotropic()
     }
 
+    /// Whether it looks at surface coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        self.diffuse.varies() || self.specular.varies()
+    }
+
     /// The plastic at the surface coordinates `uv`.
     pub fn at(&self, uv: [f32; 2]) -> RoughPlasticAt<'_> {
         RoughPlasticAt { coat: &self.coat, diffuse: self.diffuse.eval(uv), specular: self.specular.eval(uv) }

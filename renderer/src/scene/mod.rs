@@ -184,12 +184,12 @@ fn measured(settings: &CameraSettings, count: usize) -> Result<Option<usize>, Pa
 fn place(object: &ObjectSettings, to_frame: DVec3, shutter: Shutter) -> Result<Object, ParamError> {
     let motion = object.to_world.then(&DAffine3::from_translation(to_frame))?;
     let moves = !motion.is_static() && shutter.length() > 0.0;
-    if moves {
-        let shape = Shape::new(&object.shape, &DAffine3::IDENTITY, object.flip_normals)?;
-        return Ok(Object { shape, motion: Some(motion) });
+    let map = if moves { DAffine3::IDENTITY } else { motion.at(shutter.open) };
+    let mut shape = Shape::new(&object.shape, &map, object.flip_normals)?;
+    if !(object.material.is_textured() || object.radiance.varies()) {
+        shape = shape.without_coordinates();
     }
-    let shape = Shape::new(&object.shape, &motion.at(shutter.open), object.flip_normals)?;
-    Ok(Object { shape, motion: None })
+    Ok(Object { shape, motion: moves.then_some(motion) })
 }
 
 /// `n` as an index; scenes hold fewer than 2³² objects because each takes more than a byte of memory.

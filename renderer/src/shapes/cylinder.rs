@@ -18,6 +18,8 @@ pub struct Cylinder {
     length: f64,
     radius: f64,
     sign: f64,
+    /// Whether points have surface coordinates.
+    mapped: bool,
 }
 
 impl Cylinder {
@@ -47,7 +49,12 @@ impl Cylinder {
             length: length * scale,
             radius: radius * scale,
             sign: if flip { -1.0 } else { 1.0 },
+            mapped: true,
         })
+    }
+
+    pub(super) fn without_coordinates(self) -> Self {
+        Self { mapped: false, ..self }
     }
 
     /// The radius.
@@ -113,7 +120,8 @@ impl Cylinder {
             rounded_curved(self.base + z * height + outward * self.radius, extent, self.radius);
         let n = (outward * self.sign).as_vec3();
         #[expect(clippy::cast_possible_truncation, reason = "texture coordinates are f32")]
-        let uv = [turn(across.y, across.x), (height / self.length) as f32];
+        let coordinates = || [turn(across.y, across.x), (height / self.length) as f32];
+        let uv = if self.mapped { coordinates() } else { [0.0; 2] };
         SurfacePoint { point, error, ng: n, n, uv }
     }
 

@@ -13,11 +13,17 @@ use crate::ray::{EightRays, Ray};
 #[derive(Debug, Clone)]
 pub struct Disk {
     plane: Plane,
+    /// Whether points have surface coordinates.
+    mapped: bool,
 }
 
 impl Disk {
     pub(super) fn new(to_frame: &DAffine3, flip: bool) -> Self {
-        Self { plane: Plane::new(to_frame, flip) }
+        Self { plane: Plane::new(to_frame, flip), mapped: true }
+    }
+
+    pub(super) fn without_coordinates(self) -> Self {
+        Self { mapped: false, ..self }
     }
 
     /// The extreme of x·a + y·b over the unit disk is √(a² + b²) on each axis.
@@ -46,8 +52,8 @@ impl Disk {
 
     /// Texture coordinates are the radius and the turn from the x axis.
     pub(super) fn surface(&self, [x, y]: [f32; 2]) -> SurfacePoint {
-        let radius = (x * x + y * y).sqrt().min(1.0);
-        self.plane.surface([x, y], [radius, turn(f64::from(y), f64::from(x))])
+        let coordinates = || [(x * x + y * y).sqrt().min(1.0), turn(f64::from(y), f64::from(x))];
+        self.plane.surface([x, y], if self.mapped { coordinates() } else { [0.0; 2] })
     }
 
     /// Away from the centre.

@@ -128,6 +128,17 @@ impl Shape {
         Ok(shape)
     }
 
+    /// The shape with the surface coordinates (0, 0) everywhere if it takes angles to know them: for materials that don't ask.
+    #[must_use]
+    pub fn without_coordinates(self) -> Self {
+        match self {
+            Self::Sphere(s) => Self::Sphere(s.without_coordinates()),
+            Self::Disk(d) => Self::Disk(d.without_coordinates()),
+            Self::Cylinder(c) => Self::Cylinder(c.without_coordinates()),
+            Self::Rectangle(_) | Self::Mesh(_) => self,
+        }
+    }
+
     /// Number of elements, at least 1.
     pub fn element_count(&self) -> u32 {
         match self {
@@ -176,6 +187,7 @@ impl Shape {
     }
 
     /// The surface at a hit that `intersect` found with the same ray.
+    #[inline]
     pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
         match self {
             Self::Sphere(s) => s.surface(ray, hit.t),

@@ -45,6 +45,7 @@ impl Rectangle {
     }
 
     /// Texture coordinates run over [0, 1]².
+    #[inline]
     pub(super) fn surface(&self, [x, y]: [f32; 2]) -> SurfacePoint {
         self.plane.surface([x, y], [0.5 * (x + 1.0), 0.5 * (y + 1.0)])
     }

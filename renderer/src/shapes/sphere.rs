@@ -24,6 +24,8 @@ pub struct Sphere {
     /// Directions of the frame to directions of the sphere's own space.
     to_object: DMat3,
     sign: f64,
+    /// Whether points have surface coordinates.
+    mapped: bool,
 }
 
 impl Sphere {
@@ -41,7 +43,12 @@ impl Sphere {
             radius: radius * scale,
             to_object: to_frame.matrix3.inverse() * scale,
             sign: if flip { -1.0 } else { 1.0 },
+            mapped: true,
         })
+    }
+
+    pub(super) fn without_coordinates(self) -> Self {
+        Self { mapped: false, ..self }
     }
 
     /// The centre.
@@ -106,11 +113,16 @@ impl Sphere {
         let extent = self.center.abs().max_element() + self.radius;
         let (point, error) = rounded_curved(self.center + outward * self.radius, extent, self.radius);
         let n = (outward * self.sign).as_vec3();
+        let uv = if self.mapped { self.coordinates(outward) } else { [0.0; 2] };
+        SurfacePoint { point, error, ng: n, n, uv }
+    }
+
+    /// The turn from the x axis, and the angle from the z axis in half turns.
+    #[expect(clippy::cast_possible_truncation, reason = "texture coordinates are f32")]
+    fn coordinates(&self, outward: DVec3) -> [f32; 2] {
         let local = self.to_object * outward;
         let v = libm::atan2(local.truncate().length(), local.z) * std::f64::consts::FRAC_1_PI;
-        #[expect(clippy::cast_possible_truncation, reason = "texture coordinates are f32")]
-        let uv = [turn(local.y, local.x), v as f32];
-        SurfacePoint { point, error, ng: n, n, uv }
+        [turn(local.y, local.x), v as f32]
     }
 
     /// Along the circles of latitude.

@@ -51,6 +51,11 @@ impl Texture {
         }
     }
 
+    /// Whether it looks at surface coordinates.
+    pub fn varies(&self) -> bool {
+        !matches!(self, Self::Constant(_))
+    }
+
     /// Whether it is 0 everywhere.
     pub fn is_black(&self) -> bool {
         self.range() == [0.0; 2]
