@@ -90,11 +90,8 @@ impl MatteRays {
     #[inline]
     fn path(&self, lane: usize, reflectance: Rgb, path: &Path, time: f32) -> Option<Path> {
         let pdf = self.pdf.as_array()[lane];
-        if !(pdf > 0.0) {
-            return None;
-        }
         let ray = Ray::new(self.origin.get(lane), self.direction.get(lane), time);
-        path.along(ray, reflectance, 1.0, Some(pdf), path.vertex.branch)
+        if pdf > 0.0 { path.along(ray, reflectance, 1.0, Some(pdf), path.vertex.branch) } else { None }
     }
 }
 
@@ -200,7 +197,7 @@ mod tests {
                 SurfacePoint { point, error: point.abs() * 1e-7, ng, n: unit(5.0 * lane(j)), uv: [0.0; 2] }
             };
             let u = |j: usize| [(0.618_034 * lane(j)).fract(), (0.414_214 * lane(j)).fract()];
-            let side = |j: usize| if j % 2 == 0 { 1.0 } else { -1.0 };
+            let side = |j: usize| if j.is_multiple_of(2) { 1.0 } else { -1.0 };
             let (mut points, mut n) = (EightPoints::ZERO, Vec3x8::ZERO);
             for j in 0..LANES {
                 points.set(j, &surface(j));
