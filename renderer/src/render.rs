@@ -159,7 +159,7 @@ pub fn go_on(
     if part.counts().is_some() && !pilot::serves(settings.sampler) {
         return Err(pilot::refused(0));
     }
-    let [first, _] = integrator.decisions(scene);
+    let [first, later] = integrator.decisions(scene);
     let (seed, samples) = (settings.seed, settings.samples);
     let with = Finish { scene, integrator, settings, watch };
     match settings.sampler {
@@ -168,7 +168,7 @@ pub fn go_on(
         SamplerKind::MultiJitter => with.sampler(&MultiJitter::new(seed, samples), part),
         SamplerKind::Halton => with.sampler(&Halton::new(seed, first, samples), part),
         SamplerKind::Pmj02 => with.sampler(&Pmj02::new(seed), part),
-        SamplerKind::Sobol => with.sampler(&Sobol::new(seed, first), part),
+        SamplerKind::Sobol => with.sampler(&Sobol::new(seed, first).with_second_hit(later), part),
     }
 }
 

@@ -49,12 +49,12 @@ pub fn allocated(
     if settings.samples < FEWEST {
         return Err(refused(settings.samples));
     }
-    let [first, _] = integrator.decisions(scene);
+    let [first, later] = integrator.decisions(scene);
     let with = Finish { scene, integrator, settings, watch: &|_| () };
     match settings.sampler {
         SamplerKind::Independent => with.pilot(&Independent::new(settings.seed)),
         SamplerKind::Pmj02 => with.pilot(&Pmj02::new(settings.seed)),
-        SamplerKind::Sobol => with.pilot(&Sobol::new(settings.seed, first)),
+        SamplerKind::Sobol => with.pilot(&Sobol::new(settings.seed, first).with_second_hit(later)),
         SamplerKind::Stratified | SamplerKind::MultiJitter | SamplerKind::Halton => {
             Err(refused(settings.samples))
         }

@@ -43,7 +43,7 @@ pub enum SamplerKind {
     MultiJitter,
     /// Owen-scrambled Halton points, joint over the decisions before the first bounce.
     Halton,
-    /// Owen-scrambled Sobol points, joint over the decisions before the first bounce.
+    /// Owen-scrambled Sobol points, joint over the decisions up to the second hit.
     #[default]
     Sobol,
     /// Progressive multi-jittered (0, 2) points.

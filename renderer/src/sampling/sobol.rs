@@ -1,8 +1,8 @@
-//! Owen-scrambled Sobol points: one joint set before the first bounce, padded sets after it.
+//! Owen-scrambled Sobol points: one joint set up to the second hit, padded sets after it.
 
 use super::hash::Key;
 use super::owen::scramble_reversed;
-use super::sobol_matrix::{Dimension, second_dimension_reversed};
+use super::sobol_matrix::{DIMENSIONS, Dimension, second_dimension_reversed};
 use super::{Decision, DecisionSet, Place, SampleId, Sampler, Vertex};
 use crate::math::float::unit_f32;
 
@@ -12,15 +12,15 @@ const SHUFFLE: u32 = 2;
 
 /// Numbers whose first 2ᵐ samples fill every decision's interval or square evenly.
 ///
-/// The planned decisions at [`Vertex::default`] are the dimensions of one Sobol sequence, in the order of
-/// [`Decision::ALL`] with the ranks closed over those that are not planned. Every other decision or vertex has a
+/// The planned decisions at [`Vertex::default`], and after them those at the second hit as far as there are dimensions, are the
+/// dimensions of one Sobol sequence, in the order of [`Decision::ALL`] with the ranks closed over those that are not planned. Every other decision or vertex has a
 /// set of its own, the first one or two dimensions in an order of its own. Each dimension of each pixel, replicate,
 /// vertex and decision is scrambled independently, so that every number is uniform over scramblings and the error
 /// can be taken from replicates.
 ///
 /// # Precision, limits
 /// Indices below 2³²; 24 digits. The first two dimensions of the joint set and every padded pair are
-/// (0, m, 2)-nets for each m; of the other pairs, that of worst balance at 256 points has t = 4.
+/// (0, m, 2)-nets for each m; of the other pairs, that of worst balance at 256 points has t = 4, and with the second hit's t = 5.
 ///
 /// # Source
 /// Sobol' 1967, doi 10.1016/0041-5553(67)90144-9; Owen 1995, "Randomly permuted (t,m,s)-nets and (t,s)-sequences",
@@ -33,28 +33,42 @@ const SHUFFLE: u32 = 2;
 pub struct Sobol {
     key: Key,
     joint: Vec<Dimension>,
-    /// The first dimension of each decision in the joint set.
-    ranks: [Option<u8>; Decision::ALL.len()],
+    /// The first dimension in the joint set of each decision before the first bounce and at the second hit.
+    ranks: [[Option<u8>; Decision::ALL.len()]; 2],
 }
 
 impl Sobol {
     /// The sampler of `seed` with the joint set for the decisions `planned` before the first bounce.
     pub fn new(seed: u64, planned: DecisionSet) -> Self {
-        let mut ranks = [None; Decision::ALL.len()];
-        let mut dimensions = 0_u8;
+        let ranks = [[None; Decision::ALL.len()]; 2];
+        Self { key: Key::of_seed(seed, 3), joint: Vec::new(), ranks }.joined_by(0, planned)
+    }
+
+    /// The sampler whose joint set has the decisions `planned` at the second hit, too, as far as there are dimensions.
+    #[must_use]
+    pub fn with_second_hit(self, planned: DecisionSet) -> Self {
+        self.joined_by(1, planned)
+    }
+
+    fn joined_by(mut self, bounce: usize, planned: DecisionSet) -> Self {
         for decision in planned.iter() {
-            ranks[decision as usize] = Some(dimensions);
-            dimensions += if decision.dimensions() == 2 { 2 } else { 1 };
+            let first = self.joint.len();
+            let end = first + decision.dimensions();
+            if end <= DIMENSIONS {
+                self.ranks[bounce][decision as usize] = u8::try_from(first).ok();
+                self.joint.extend((self.joint.len()..end).map(Dimension::new));
+            }
         }
-        let joint = (0..usize::from(dimensions)).map(Dimension::new).collect();
-        Self { key: Key::of_seed(seed, 3), joint, ranks }
+        self
     }
 
     /// The set of a pixel's replicate that a decision takes its numbers from.
     #[inline]
     fn set(&self, sample: SampleId, vertex: Vertex, decision: Decision) -> Set<'_> {
         let key = self.key.sample_set(sample).decision(vertex, decision);
-        let rank = if vertex == Vertex::default() { self.ranks[decision as usize] } else { None };
+        let ranks = self.ranks.get(usize::from(vertex.bounce));
+        let is_plain = vertex == Vertex { bounce: vertex.bounce, ..Vertex::default() };
+        let rank = ranks.filter(|_| is_plain).and_then(|ranks| ranks[decision as usize]);
         let joint = rank.map(|rank| &self.joint[usize::from(rank)..]);
         Set { joint, shuffle: key.bits(SHUFFLE), scrambles: [key.bits(SCRAMBLE[0]), key.bits(SCRAMBLE[1])] }
     }
@@ -195,33 +209,38 @@ mod tests {
         SampleId { pixel: [11, 5], replicate: 2, index }
     }
 
-    /// All numbers of one sample before the first bounce, in the order of their dimensions.
-    fn joint_numbers(sampler: &Sobol, index: u32, planned: DecisionSet) -> Vec<f32> {
-        let (sample, vertex) = (sample(index), Vertex::default());
-        let numbers = |d: Decision| match d.dimensions() {
-            1 => vec![sampler.draw_1d(sample, vertex, d)],
-            _ => sampler.draw_2d(sample, vertex, d).to_vec(),
+    /// All numbers of one sample up to the second hit, in the order of their dimensions.
+    fn joint_numbers(sampler: &Sobol, index: u32, planned: [DecisionSet; 2]) -> Vec<f32> {
+        let numbers = |vertex: Vertex, d: Decision| match d.dimensions() {
+            1 => vec![sampler.draw_1d(sample(index), vertex, d)],
+            _ => sampler.draw_2d(sample(index), vertex, d).to_vec(),
         };
-        planned.iter().flat_map(numbers).collect()
+        let second = Vertex { bounce: 1, ..Vertex::default() };
+        let [first, later] = planned.map(DecisionSet::iter);
+        let first = first.flat_map(|d| numbers(Vertex::default(), d));
+        first.chain(later.flat_map(|d| numbers(second, d))).collect()
     }
 
     #[test]
     fn scrambling_keeps_the_balance_of_every_pair_of_the_joint_set() {
         const POINTS: u32 = 256;
-        let sampler = Sobol::new(3, DecisionSet::FULL);
-        let ours: Vec<_> = (0..POINTS).map(|i| joint_numbers(&sampler, i, DecisionSet::FULL)).collect();
-        assert_eq!(ours[0].len(), 12);
+        let later = DecisionSet::EMPTY.with(Decision::LightPoint).with(Decision::Direction);
+        let sampler = Sobol::new(3, DecisionSet::FULL).with_second_hit(later);
+        let ours: Vec<_> =
+            (0..POINTS).map(|i| joint_numbers(&sampler, i, [DecisionSet::FULL, later])).collect();
+        assert_eq!(ours[0].len(), DIMENSIONS);
         let plain = |i: u32, d: usize| {
             unit_f32(sobol_burley::parts::sobol_rev(i.reverse_bits(), d as u32).reverse_bits())
         };
-        let mut worst = 0;
-        for (a, b) in (0..12).flat_map(|a| (0..a).map(move |b| (a, b))) {
+        let mut worst = [0; 2];
+        for (a, b) in (0..DIMENSIONS).flat_map(|a| (0..a).map(move |b| (a, b))) {
             let scrambled: Vec<_> = ours.iter().map(|p| [p[a], p[b]]).collect();
             let unscrambled: Vec<_> = (0..POINTS).map(|i| [plain(i, a), plain(i, b)]).collect();
             assert_eq!(balance(&scrambled), balance(&unscrambled), "dimensions {a} and {b}");
-            worst = worst.max(balance(&scrambled));
+            let worst = &mut worst[usize::from(a >= 12)];
+            *worst = balance(&scrambled).max(*worst);
         }
-        assert_eq!(worst, 4, "the worst pair's t");
+        assert_eq!(worst, [4, 5], "the worst pair's t before the first bounce, and with the second hit's");
     }
 
     #[test]
@@ -245,9 +264,9 @@ mod tests {
     fn ranks_close_over_what_is_not_planned() {
         let planned = DecisionSet::EMPTY.with(Decision::LightPoint).with(Decision::Time);
         let sampler = Sobol::new(0, planned);
-        assert_eq!(sampler.ranks[Decision::Time as usize], Some(0));
-        assert_eq!(sampler.ranks[Decision::LightPoint as usize], Some(1));
-        assert_eq!((sampler.joint.len(), sampler.ranks[Decision::Lens as usize]), (3, None));
+        assert_eq!(sampler.ranks[0][Decision::Time as usize], Some(0));
+        assert_eq!(sampler.ranks[0][Decision::LightPoint as usize], Some(1));
+        assert_eq!((sampler.joint.len(), sampler.ranks[0][Decision::Lens as usize]), (3, None));
         // Not planned, and yet a perfect net: it has a set of its own.
         let lens: Vec<_> =
             (0..64).map(|i| sampler.draw_2d(sample(i), Vertex::default(), Decision::Lens)).collect();
@@ -255,8 +274,19 @@ mod tests {
     }
 
     #[test]
+    fn the_second_hit_has_the_dimensions_that_are_left() {
+        let sampler = Sobol::new(0, DecisionSet::FULL).with_second_hit(DecisionSet::FULL);
+        let second = |decision: Decision| sampler.ranks[1][decision as usize];
+        // Twelve are taken, and what comes next in the order of decisions takes the other four.
+        assert_eq!([Decision::Pixel, Decision::Lens].map(second), [Some(12), Some(14)]);
+        assert_eq!((second(Decision::Direction), sampler.joint.len()), (None, DIMENSIONS));
+        assert_eq!(sampler.ranks[0], Sobol::new(0, DecisionSet::FULL).ranks[0]);
+    }
+
+    #[test]
     fn numbers_drawn_together_are_those_drawn_one_by_one() {
-        let sampler = Sobol::new(3, DecisionSet::EMPTY.with(Decision::Pixel).with(Decision::Lobe));
+        let planned = DecisionSet::EMPTY.with(Decision::Pixel).with(Decision::Lobe);
+        let sampler = Sobol::new(3, planned).with_second_hit(planned);
         let vertex = |n: u32| Vertex { bounce: (n / 100 % 2) as u16, ..Vertex::default() };
         // Runs of several lengths, the last of them beyond 2¹⁶.
         let index = |n: u32| if n > 250 { n << 12 } else { 3 * n };
