@@ -91,7 +91,7 @@ impl EightPoints {
     /// then one step outwards for the addition's own rounding).
     #[inline]
     pub fn offset(&self, direction: Vec3x8) -> Vec3x8 {
-        let distance = self.ng.abs().dot(self.error) * SLACK;
+        let distance = self.ng.map(f32x8::abs).dot(self.error) * SLACK;
         let side = self.ng.dot(direction).simd_lt(0.0).select(-f32x8::ONE, f32x8::ONE);
         let step = |p: f32x8, m: f32x8| {
             let to = p + m;
@@ -119,7 +119,7 @@ impl EightPoints {
         let (apart, zero) = (eight::rounded(length).simd_gt(0.0), f32x8::ZERO);
         let direction = Eight([apart.select(x, zero), apart.select(y, zero), apart.select(z, f32x8::ONE)]);
         let (ng, along) = (target.ng.widened(), direction.widened());
-        let margin = ng.abs().dot(target.error.widened()) * f64::from(SLACK);
+        let margin = ng.map(f64x8::abs).dot(target.error.widened()) * f64::from(SLACK);
         // By how much the ray passes `target`, as a height over the plane, and how fast it loses height.
         let aside = to - along * length;
         let height = ng.dot(aside).abs() + aside.dot(aside).sqrt() * NORMAL_ERROR + margin;

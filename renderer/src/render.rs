@@ -159,7 +159,7 @@ pub fn go_on(
     if part.counts().is_some() && !pilot::serves(settings.sampler) {
         return Err(pilot::refused(0));
     }
-    let [first, later] = integrator.decisions(scene);
+    let [first, _] = integrator.decisions(scene);
     let (seed, samples) = (settings.seed, settings.samples);
     let with = Finish { scene, integrator, settings, watch };
     match settings.sampler {
@@ -168,7 +168,7 @@ pub fn go_on(
         SamplerKind::MultiJitter => with.sampler(&MultiJitter::new(seed, samples), part),
         SamplerKind::Halton => with.sampler(&Halton::new(seed, first, samples), part),
         SamplerKind::Pmj02 => with.sampler(&Pmj02::new(seed), part),
-        SamplerKind::Sobol => with.sampler(&Sobol::new(seed, first).with_second_hit(later), part),
+        SamplerKind::Sobol => with.sampler(&with.sobol(), part),
     }
 }
 
@@ -181,6 +181,12 @@ struct Finish<'a, I> {
 }
 
 impl<I: Integrator> Finish<'_, I> {
+    /// The Sobol points of all of the render, and of its pilot, whose samples are its first.
+    fn sobol(&self) -> Sobol {
+        let [first, later] = self.integrator.decisions(self.scene);
+        Sobol::new(self.settings.seed, first).with_second_hit(later)
+    }
+
     /// The part with its missing tiles, with numbers from `sampler`.
     fn sampler<S: Sampler>(&self, sampler: &S, part: Part) -> Result<Part, ParamError> {
         let empty = part.emptied();

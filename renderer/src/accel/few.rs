@@ -105,11 +105,10 @@ impl Lanes {
         // As in `Slab::new`.
         let (lowest, highest) = (f32x8::splat(f32::MIN), f32x8::splat(f32::MAX));
         let inverse = |d: f32x8| (f32x8::ONE / d).fast_max(lowest).fast_min(highest);
-        let Eight([x, y, z]) = direction;
         Self {
             rays: EightRays { origin: origin.widened(), direction: direction.widened(), t_max },
             origin: origin.0,
-            inverse: [inverse(x), inverse(y), inverse(z)],
+            inverse: direction.map(inverse).0,
         }
     }
 

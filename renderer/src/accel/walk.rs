@@ -17,31 +17,19 @@ pub(super) trait Mode {
     const PREFETCH: bool;
 }
 
+/// The two answers of a [`Mode`].
+pub(super) struct Walk<const ANY: bool, const PREFETCH: bool>;
+
+impl<const ANY: bool, const PREFETCH: bool> Mode for Walk<ANY, PREFETCH> {
+    const ANY: bool = ANY;
+    const PREFETCH: bool = PREFETCH;
+}
+
 /// The nearest hit, alone and in turns; any hit, alone and in turns.
-pub(super) struct Closest;
-pub(super) struct ClosestAhead;
-pub(super) struct Any;
-pub(super) struct AnyAhead;
-
-impl Mode for Closest {
-    const ANY: bool = false;
-    const PREFETCH: bool = false;
-}
-
-impl Mode for ClosestAhead {
-    const ANY: bool = false;
-    const PREFETCH: bool = true;
-}
-
-impl Mode for Any {
-    const ANY: bool = true;
-    const PREFETCH: bool = false;
-}
-
-impl Mode for AnyAhead {
-    const ANY: bool = true;
-    const PREFETCH: bool = true;
-}
+pub(super) type Closest = Walk<false, false>;
+pub(super) type ClosestAhead = Walk<false, true>;
+pub(super) type Any = Walk<true, false>;
+pub(super) type AnyAhead = Walk<true, true>;
 
 /// A group whose arrays are at hand.
 #[derive(Clone, Copy)]

@@ -39,7 +39,7 @@ pub fn light_points<S: Sampler>(
     } else {
         draws.no_points();
     }
-    let to = Connector { scene, strategy, last, paths };
+    let to = Connector { scene, strategy, alone: last && suffice(scene, strategy), paths };
     let mut connect = |surface: &Surface, contribution: Rgb, ray: Ray| {
         connections.push(Connection { sample: paths[surface.path as usize].sample, contribution });
         shadow_rays.push(ray);
@@ -60,11 +60,13 @@ pub fn light_points<S: Sampler>(
     let mut found = vec![None; lit.len()];
     for run in order.chunk_by(|&a, &b| std::ptr::eq(lights[a], lights[b])) {
         for lanes in run.chunks(LANES) {
-            let surfaces: Vec<&Surface> = lanes.iter().map(|&k| lit[k]).collect();
-            let points: Vec<[f32; 2]> = lanes.iter().map(|&k| draws.points[k]).collect();
-            let mut pmf = [1.0; LANES];
-            pmf.iter_mut().zip(lanes).for_each(|(pmf, &k)| *pmf = pmfs[k]);
-            to.light(lights[run[0]], &surfaces, &pmf, &points, |lane, contribution, ray| {
+            let mut surfaces = [lit[lanes[0]]; LANES];
+            let (mut points, mut pmf) = ([[0.0; 2]; LANES], [1.0; LANES]);
+            for (lane, &k) in lanes.iter().enumerate() {
+                (surfaces[lane], points[lane], pmf[lane]) = (lit[k], draws.points[k], pmfs[k]);
+            }
+            let (surfaces, points) = (&surfaces[..lanes.len()], &points[..lanes.len()]);
+            to.light(lights[run[0]], surfaces, &pmf, points, |lane, contribution, ray| {
                 found[lanes[lane]] = Some((contribution, ray));
             });
         }
@@ -78,7 +80,12 @@ pub fn light_points<S: Sampler>(
 
 /// Whether points on lights are all that is needed for the last edge from the object of that index.
 pub(super) fn is_connected(scene: &Scene, strategy: Strategy, object: u32) -> bool {
-    strategy == Strategy::Both && scene.lights.are_even() && scene.is_matte(object)
+    suffice(scene, strategy) && scene.is_matte(object)
+}
+
+/// Whether they are for diffuse objects.
+fn suffice(scene: &Scene, strategy: Strategy) -> bool {
+    strategy == Strategy::Both && scene.lights.are_even()
 }
 
 /// Surfaces connected together.
@@ -88,7 +95,8 @@ const LANES: usize = 8;
 struct Connector<'a> {
     scene: &'a Scene,
     strategy: Strategy,
-    last: bool,
+    /// Whether light points are all that diffuse surfaces get.
+    alone: bool,
     paths: &'a [Path],
 }
 
@@ -115,29 +123,23 @@ impl Connector<'_> {
         }
         let samples = light.sample_eight(&self.scene.accel, &from[..surfaces.len()], &points, u);
         let pmf = f32x8::new(*pmf);
-        let alone = self.last && self.strategy == Strategy::Both && self.scene.lights.are_even();
-        let weighed = !(samples.delta || alone || self.strategy == Strategy::Light);
-        let contributions = matte.contributions(&samples, pmf, weighed);
-        let mut left = samples.seen;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize % LANES;
-            left &= left - 1;
-            let surface = surfaces[lane];
+        let weighed = !(samples.delta || self.strategy == Strategy::Light);
+        let contributions = matte.contributions(&samples, pmf, weighed && !self.alone);
+        for (lane, surface) in surfaces.iter().enumerate() {
+            let Some(sample) = samples.get(lane, surface.interaction.time) else { continue };
             let contribution = if matte.is_matte >> lane & 1 == 1 {
                 Rgb::from(contributions.get(lane).to_array())
-            } else if let Some(sample) = samples.get(lane, 0.0) {
-                self.general(surface, &sample, pmf.as_array()[lane])
             } else {
-                continue;
+                self.general(surface, &sample, pmf.as_array()[lane], weighed)
             };
             if !contribution.is_black() {
-                connect(lane, contribution, samples.shadow.get(lane, surface.interaction.time));
+                connect(lane, contribution, sample.shadow_ray);
             }
         }
     }
 
     /// What a sample gets from a light point by a surface of any material, if nothing is in the way.
-    fn general(&self, surface: &Surface, light: &LightSample, pmf: f32) -> Rgb {
+    fn general(&self, surface: &Surface, light: &LightSample, pmf: f32, weighed: bool) -> Rgb {
         let Interaction { surface: point, wo, object, .. } = &surface.interaction;
         let path = &self.paths[surface.path as usize];
         let frame = frame(self.scene, path, surface);
@@ -148,7 +150,6 @@ impl Connector<'_> {
             return Rgb::BLACK;
         }
         let pdf = pmf * light.pdf;
-        let weighed = !(light.delta || self.strategy == Strategy::Light);
         let weight = if weighed { power_heuristic(pdf, bsdf.pdf(wo, wi)) } else { 1.0 };
         path.throughput * f_cos * light.radiance * (weight / pdf)
     }

@@ -6,7 +6,7 @@ use super::batch::{Batch, Path, Surface};
 use super::stages::frame;
 use crate::interaction::EightPoints;
 use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe, Matte};
-use crate::math::eight::Vec3x8;
+use crate::math::eight::{Vec3x8, pairs};
 use crate::math::{Frame, Rgb};
 use crate::ray::Ray;
 use crate::sampling::{Decision, SampleId, Sampler, Vertex};
@@ -66,22 +66,19 @@ impl MatteRays {
     #[inline]
     fn new(scene: &Scene, surfaces: &[Surface], u: &[[f32; 2]]) -> Self {
         let mut reflectances = [None; LANES];
-        let (mut side, mut numbers) = (f32x8::ZERO, [f32x8::ZERO; 2]);
-        let (mut points, mut n) = (EightPoints::ZERO, Vec3x8::ZERO);
-        for (lane, (surface, u)) in surfaces.iter().zip(u).enumerate().take(LANES) {
+        let (mut side, mut points, mut n) = (f32x8::ZERO, EightPoints::ZERO, Vec3x8::ZERO);
+        for (lane, surface) in surfaces.iter().enumerate().take(LANES) {
             let at = &surface.interaction;
             let Some(matte) = scene.material(at.object).matte(at.surface.uv) else { continue };
             reflectances[lane] = Some(matte.reflectance());
             side.as_mut_array()[lane] = matte.side(at.wo.dot(at.surface.n));
             points.set(lane, &at.surface);
             n.set(lane, at.surface.n);
-            numbers[0].as_mut_array()[lane] = u[0];
-            numbers[1].as_mut_array()[lane] = u[1];
         }
         if reflectances.iter().all(Option::is_none) {
             return Self { reflectances, origin: n, direction: n, pdf: side };
         }
-        let (wi, pdf) = Matte::eight_directions(side, numbers);
+        let (wi, pdf) = Matte::eight_directions(side, pairs(u));
         let direction = Frame::eight_to_world(n, wi);
         Self { reflectances, origin: points.offset(direction), direction, pdf }
     }

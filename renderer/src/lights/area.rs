@@ -9,7 +9,7 @@ use super::{EightLightSamples, LightSample};
 use crate::accel::{Accel, Object};
 use crate::interaction::{EightPoints, Interaction};
 use crate::math::Rgb;
-use crate::math::eight::Vec3x8;
+use crate::math::eight::{self, Vec3x8};
 use crate::math::float::round_f32;
 use crate::ray::{Hit, Ray};
 use crate::shapes::{Rectangle, Shape};
@@ -159,11 +159,7 @@ fn sample_rectangle(
     from: &EightPoints,
     u: &[[f32; 2]],
 ) -> EightLightSamples {
-    let mut numbers = [f32x8::ZERO; 2];
-    for (lane, u) in u.iter().enumerate().take(8) {
-        (numbers[0].as_mut_array()[lane], numbers[1].as_mut_array()[lane]) = (u[0], u[1]);
-    }
-    let target = rectangle.sample_area_eight(numbers);
+    let target = rectangle.sample_area_eight(eight::pairs(u));
     let d = target.point - from.point;
     let d2 = d.dot(d);
     let inverse = f32x8::ONE / d2.sqrt();

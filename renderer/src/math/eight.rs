@@ -16,6 +16,15 @@ pub type Vec3x8 = Eight<f32x8>;
 /// Eight vectors of f64.
 pub type DVec3x8 = Eight<f64x8>;
 
+impl<T> Eight<T> {
+    /// `f` of each coordinate.
+    #[inline]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Eight<U> {
+        let [x, y, z] = self.0;
+        Eight([f(x), f(y), f(z)])
+    }
+}
+
 impl<T: Copy + Add<Output = T> + Mul<Output = T>> Eight<T> {
     /// The dot products, summed in the order of `Vec3::dot`.
     #[inline]
@@ -50,8 +59,7 @@ impl<T: Copy + Mul<Output = T>> Mul<T> for Eight<T> {
 
     #[inline]
     fn mul(self, factor: T) -> Self {
-        let [x, y, z] = self.0;
-        Self([x * factor, y * factor, z * factor])
+        self.map(|c| c * factor)
     }
 }
 
@@ -60,8 +68,7 @@ impl<T: Copy + Div<Output = T>> Div<T> for Eight<T> {
 
     #[inline]
     fn div(self, divisor: T) -> Self {
-        let [x, y, z] = self.0;
-        Self([x / divisor, y / divisor, z / divisor])
+        self.map(|c| c / divisor)
     }
 }
 
@@ -75,15 +82,7 @@ impl DVec3x8 {
     /// The vectors rounded to f32.
     #[inline]
     pub fn rounded(self) -> Vec3x8 {
-        let [x, y, z] = self.0;
-        Eight([rounded(x), rounded(y), rounded(z)])
-    }
-
-    /// The magnitudes of the coordinates.
-    #[inline]
-    pub fn abs(self) -> Self {
-        let [x, y, z] = self.0;
-        Self([x.abs(), y.abs(), z.abs()])
+        self.map(rounded)
     }
 }
 
@@ -100,15 +99,7 @@ impl Vec3x8 {
     /// The vectors in f64.
     #[inline]
     pub fn widened(self) -> DVec3x8 {
-        let [x, y, z] = self.0;
-        Eight([widened(x), widened(y), widened(z)])
-    }
-
-    /// The magnitudes of the coordinates.
-    #[inline]
-    pub fn abs(self) -> Self {
-        let [x, y, z] = self.0;
-        Self([x.abs(), y.abs(), z.abs()])
+        self.map(widened)
     }
 
     /// The vector in a lane below 8.
@@ -124,6 +115,16 @@ impl Vec3x8 {
         let [x, y, z] = &mut self.0;
         (x.as_mut_array()[lane], y.as_mut_array()[lane], z.as_mut_array()[lane]) = (v.x, v.y, v.z);
     }
+}
+
+/// Up to eight points of the unit square, coordinate by coordinate.
+#[inline]
+pub fn pairs(points: &[[f32; 2]]) -> [f32x8; 2] {
+    let [mut u, mut v] = [f32x8::ZERO; 2];
+    for (lane, point) in points.iter().enumerate().take(8) {
+        [u.as_mut_array()[lane], v.as_mut_array()[lane]] = *point;
+    }
+    [u, v]
 }
 
 /// Eight numbers as f64.

@@ -9,7 +9,7 @@ use crate::error::ParamError;
 use crate::film::{Allocation, Part, Pilot, Tile, allocation};
 use crate::integrator::batch::Sample;
 use crate::integrator::{Integrator, PathTracer};
-use crate::sampling::{Independent, Pmj02, Sampler, SamplerKind, Sobol};
+use crate::sampling::{Independent, Pmj02, Sampler, SamplerKind};
 use crate::scene::Scene;
 
 /// One sample in this many is the pilot's, at least.
@@ -49,12 +49,11 @@ pub fn allocated(
     if settings.samples < FEWEST {
         return Err(refused(settings.samples));
     }
-    let [first, later] = integrator.decisions(scene);
     let with = Finish { scene, integrator, settings, watch: &|_| () };
     match settings.sampler {
         SamplerKind::Independent => with.pilot(&Independent::new(settings.seed)),
         SamplerKind::Pmj02 => with.pilot(&Pmj02::new(settings.seed)),
-        SamplerKind::Sobol => with.pilot(&Sobol::new(settings.seed, first).with_second_hit(later)),
+        SamplerKind::Sobol => with.pilot(&with.sobol()),
         SamplerKind::Stratified | SamplerKind::MultiJitter | SamplerKind::Halton => {
             Err(refused(settings.samples))
         }

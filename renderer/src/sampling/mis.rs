@@ -33,7 +33,7 @@ pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     share(pdf, other, |ratio| ratio * ratio)
 }
 
-/// [`power_heuristic`] of eight pairs, bit for bit where one of the two densities is finite and above 0.
+/// [`power_heuristic`] of eight pairs, bit for bit where `other` is finite and above 0.
 #[inline]
 pub fn power_heuristic_eight(pdf: f32x8, other: f32x8) -> f32x8 {
     let ratio = other / pdf;
@@ -73,6 +73,13 @@ mod tests {
             assert_eq!(heuristic(f32::INFINITY, f32::INFINITY), 0.5);
             assert_eq!(heuristic(0.0, f32::INFINITY), 0.0);
         }
+    }
+
+    #[test]
+    fn eight_weights_are_made_as_one() {
+        let pdf = [0.0, 1e-30, 0.3, 1.0, 1.7, 2e9, f32::MAX, f32::INFINITY];
+        let eight = power_heuristic_eight(f32x8::new(pdf), f32x8::splat(1.7)).to_array();
+        assert_eq!(eight, pdf.map(|pdf| power_heuristic(pdf, 1.7)));
     }
 
     #[test]

@@ -13,8 +13,8 @@ const SHUFFLE: u32 = 2;
 /// Numbers whose first 2ᵐ samples fill every decision's interval or square evenly.
 ///
 /// The planned decisions at [`Vertex::default`], and after them those at the second hit as far as there are dimensions, are the
-/// dimensions of one Sobol sequence, in the order of [`Decision::ALL`] with the ranks closed over those that are not planned. Every other decision or vertex has a
-/// set of its own, the first one or two dimensions in an order of its own. Each dimension of each pixel, replicate,
+/// dimensions of one Sobol sequence, in the order of [`Decision::ALL`] with the ranks closed over those that are not
+/// planned. Every other decision or vertex has a set of its own, the first one or two dimensions in an order of its own. Each dimension of each pixel, replicate,
 /// vertex and decision is scrambled independently, so that every number is uniform over scramblings and the error
 /// can be taken from replicates.
 ///

@@ -25,7 +25,7 @@ pub use sphere::Sphere;
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::math::eight::{self, DVec3x8, Eight, Vec3x8};
+use crate::math::eight::{self, DVec3x8, Vec3x8};
 use crate::math::transform::check_affine;
 use crate::ray::{EightRays, Ray};
 
@@ -345,9 +345,7 @@ fn rounded(p: DVec3, extent: f64) -> (glam::Vec3, glam::Vec3) {
 fn rounded_eight(p: DVec3x8, extent: f64) -> (Vec3x8, Vec3x8) {
     let point = p.rounded();
     let small = (extent * 2f64.powi(-46)) as f32;
-    let Eight([x, y, z]) = point.abs();
-    let error = |c: f32x8| c * (0.5 * f32::EPSILON) + f32::MIN_POSITIVE + small;
-    (point, Eight([error(x), error(y), error(z)]))
+    (point, point.map(|c| c.abs() * (0.5 * f32::EPSILON) + f32::MIN_POSITIVE + small))
 }
 
 /// What `rounded` gives for a surface of radius of curvature `radius`, of the size `extent`.
