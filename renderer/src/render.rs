@@ -1,5 +1,6 @@
 //! Rank 9: a scene, an integrator and a sampler become an image, tile by tile on all cores.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -8,7 +9,7 @@ use crate::error::ParamError;
 use crate::film::estimate::values;
 use crate::film::{Begun, Part, PixelEstimate, Reconstruction, Tile, TileSums};
 use crate::integrator::batch::Sample;
-use crate::integrator::{Batch, Integrator, PathTracer};
+use crate::integrator::{Batch, Integrator, PathTracer, reuse};
 use crate::sampling::{
     Halton, Independent, MultiJitter, Pmj02, SampleId, Sampler, SamplerKind, Sobol, Stratified,
 };
@@ -172,6 +173,48 @@ pub fn go_on(
     }
 }
 
+/// The indices of a pixel's samples, from the first to before the second.
+#[derive(Debug, Clone, Copy)]
+struct Indices {
+    pixel: [u32; 2],
+    range: [u32; 2],
+}
+
+/// Samples of a group of pixels whose indices lie in a range.
+struct Unit<'a> {
+    group: &'a [Indices],
+    replicate: u32,
+    indices: [u32; 2],
+}
+
+impl Unit<'_> {
+    /// Their sets, of those with the same index, numbered from `first` on, and their names; pixel by pixel.
+    fn ids(&self, first: u32) -> impl Iterator<Item = (u32, SampleId)> {
+        let name = |pixel, index| SampleId { pixel, replicate: self.replicate, index };
+        let of_pixel = move |of: &Indices| {
+            let pixel = of.pixel;
+            self.of(of).map(move |index| (first + index - self.indices[0], name(pixel, index)))
+        };
+        self.group.iter().flat_map(of_pixel)
+    }
+
+    /// How many sets these are.
+    fn sets(&self) -> u32 {
+        self.indices[1] - self.indices[0]
+    }
+
+    /// The indices that are there of a pixel.
+    fn of(&self, of: &Indices) -> Range<u32> {
+        let ([a, b], [start, end]) = (self.indices, of.range);
+        a.max(start)..b.min(end)
+    }
+
+    /// How many samples these are.
+    fn len(&self) -> usize {
+        self.group.iter().map(|of| self.of(of).len()).sum()
+    }
+}
+
 /// How the tiles that a part misses are rendered.
 struct Finish<'a, I> {
     scene: &'a Scene,
@@ -220,6 +263,30 @@ impl<I: Integrator> Finish<'_, I> {
         TileSums::new(&begun.sums, shares.fold(0.0, f64::max), begun.dropped)
     }
 
+    /// Pixels of a tile that share samples, or each for itself, with the indices of their samples.
+    fn groups(&self, tile: &Tile, range_of: impl Fn([u32; 2]) -> [u32; 2]) -> Vec<Vec<Indices>> {
+        let film = &self.scene.film;
+        let mut pixels: Vec<Indices> =
+            tile.pixels().map(|pixel| Indices { pixel: film.pixel(pixel), range: range_of(pixel) }).collect();
+        if !self.integrator.reuses(self.scene) {
+            return pixels.into_iter().map(|pixel| vec![pixel]).collect();
+        }
+        pixels.sort_by_key(|of| reuse::group(of.pixel));
+        pixels.chunk_by(|a, b| reuse::group(a.pixel) == reuse::group(b.pixel)).map(<[_]>::to_vec).collect()
+    }
+
+    /// The samples of a group, in units that travel together.
+    fn units<'a>(&self, group: &'a [Indices]) -> impl Iterator<Item = Unit<'a>> + use<'a, I> {
+        let start = group.iter().map(|of| of.range[0]).min().unwrap_or(0);
+        let end = group.iter().map(|of| of.range[1]).max().unwrap_or(0);
+        let length = BATCH / group.len().max(1);
+        let cut = move |replicate| {
+            let starts = (start..end).step_by(length);
+            starts.map(move |a| Unit { group, replicate, indices: [a, end.min(a + length as u32)] })
+        };
+        (0..self.settings.replicates).flat_map(cut)
+    }
+
     /// Adds the samples of each pixel and replicate of a tile, from the first to before the second that `range_of` says.
     ///
     /// * `seen`: called with samples of one pixel and replicate.
@@ -231,22 +298,18 @@ impl<I: Integrator> Finish<'_, I> {
         begun: &mut Begun,
         mut seen: impl FnMut(&[Sample]),
     ) {
-        let replicates = self.settings.replicates;
         let film = &self.scene.film;
-        let of_pixel = |pixel: [u32; 2]| {
-            let [start, end] = range_of(pixel);
-            let pixel = film.pixel(pixel);
-            (0..replicates).flat_map(move |replicate| {
-                (start..end).map(move |index| SampleId { pixel, replicate, index })
-            })
-        };
-        let mut ids = tile.pixels().flat_map(of_pixel);
+        let groups = self.groups(tile, range_of);
+        let mut units = groups.iter().flat_map(|group| self.units(group)).peekable();
         let mut batch = Batch::default();
         let mut summed = Vec::new();
-        loop {
-            batch.refill(ids.by_ref().take(BATCH));
-            if batch.samples.is_empty() {
-                break;
+        while let Some(unit) = units.next() {
+            batch.clear();
+            batch.extend(unit.ids(0));
+            let mut sets = unit.sets();
+            while let Some(unit) = units.next_if(|unit| batch.samples.len() + unit.len() <= BATCH) {
+                batch.extend(unit.ids(sets));
+                sets += unit.sets();
             }
             self.integrator.trace(self.scene, sampler, &mut batch);
             batch.drop_infinite();

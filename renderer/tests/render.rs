@@ -140,6 +140,40 @@ fn samples_by_error_are_the_same_for_any_threads_and_when_begun_again() {
 }
 
 #[test]
+fn shared_paths_are_the_same_for_any_threads_and_in_parts() {
+    let mut room = furnace(0.8, IntegratorSettings::PATH);
+    let ball = ShapeSettings::Sphere { center: DVec3::new(0.1, 0.0, 1.0), radius: 0.2 };
+    room.objects.push(object("ball", ball, at(DAffine3::IDENTITY), diffuse(0.1), 0.0));
+    let apart = run(&room, SamplerKind::Sobol, 1);
+    room.integrator.reuse = true;
+    let together = run(&room, SamplerKind::Sobol, 1);
+    assert_ne!(together, apart);
+    assert_eq!(run(&room, SamplerKind::Sobol, 3), together);
+
+    let scene = Scene::new(&room).unwrap();
+    let integrator = PathTracer { settings: scene.integrator };
+    let settings =
+        RenderSettings { sampler: SamplerKind::Sobol, samples: 8, replicates: 4, seed: 0, threads: 1 };
+    let film = [scene.film.width, scene.film.height];
+    let part = |range| go_on(&scene, &integrator, &settings, Part::new(film, 4, range), &|_| ()).unwrap();
+    let joined = part([0, 3]).join(&part([3, 8])).unwrap();
+    assert_eq!(Rendering::of(&joined, Reconstruction::Importance), together);
+}
+
+#[test]
+fn nothing_is_shared_by_paths_of_two_edges_nor_where_the_scene_has_a_shutter() {
+    let bits = |mut scene: SceneDescription| {
+        scene.integrator.reuse = true;
+        run(&scene, SamplerKind::Sobol, 0)
+    };
+    let direct = furnace(0.8, IntegratorSettings::DIRECT);
+    assert_eq!(bits(direct.clone()), run(&direct, SamplerKind::Sobol, 0));
+    let moving = with_everything();
+    assert!(Scene::new(&moving).unwrap().effects.contains(Effect::Shutter));
+    assert_eq!(bits(moving.clone()), run(&moving, SamplerKind::Sobol, 0));
+}
+
+#[test]
 fn a_crop_is_a_part_of_the_whole_image_bit_for_bit() {
     let mut whole = furnace(0.8, IntegratorSettings::PATH);
     // A ball in the view, so that the image tells where a ray went.

@@ -35,6 +35,8 @@ pub struct Image {
     /// All entries of each seed; empty where only means are known.
     files: Vec<Vec<f64>>,
     largest_share: f64,
+    /// Most pixels that have errors in common.
+    shared_by: u64,
 }
 
 impl Image {
@@ -63,7 +65,17 @@ impl Image {
             variance = standard_error.iter().map(|s| s * s).collect();
         }
         let (seeds, files) = (Vec::new(), Vec::new());
-        Ok(Self { size, channels, mean, variance, replicates, seeds, files, largest_share: 0.0 })
+        Ok(Self {
+            size,
+            channels,
+            mean,
+            variance,
+            replicates,
+            seeds,
+            files,
+            largest_share: 0.0,
+            shared_by: 1,
+        })
     }
 
     /// An image from several files of the same thing with different seeds: the errors come from the files themselves.
@@ -90,6 +102,7 @@ impl Image {
             seeds: Vec::new(),
             files: files.to_vec(),
             largest_share: 0.0,
+            shared_by: 1,
         };
         image.seeds = files.iter().map(|file| image.tile_sums(file)).collect();
         Ok(image)
@@ -112,6 +125,16 @@ impl Image {
     #[must_use]
     pub fn with_largest_share(self, largest_share: f64) -> Self {
         Self { largest_share, ..self }
+    }
+
+    /// Says that up to `pixels` pixels have errors in common, as where a renderer shares samples among neighbours.
+    ///
+    /// The variance of a sum of k numbers is at most k times the sum of their variances, whatever they have in common (Cauchy–Schwarz), and
+    /// k equal ones are known no better than one of them. So errors of sums over pixels become larger than they need to be, never too
+    /// small. Sums over seeds have the right errors without.
+    #[must_use]
+    pub fn with_errors_shared_by(self, pixels: u64) -> Self {
+        Self { shared_by: pixels.max(1), ..self }
     }
 
     /// Whether errors can be had.
@@ -169,10 +192,12 @@ impl Image {
 
     fn over_pixels(&self, entries: &[usize]) -> Vec<Sum> {
         let mut sums = vec![Sum::default(); self.channels];
+        let shared_by = self.shared_by as f64;
         for &i in entries {
-            sums[i % self.channels].add(self.pixel(i));
+            let [mean, variance] = self.pixel(i);
+            sums[i % self.channels].add([mean, shared_by * variance]);
         }
-        sums.iter_mut().for_each(|sum| sum.finish(self.replicates.saturating_sub(1) as f64));
+        sums.iter_mut().for_each(|sum| sum.finish(self.replicates.saturating_sub(1) as f64 / shared_by));
         sums.push(Sum::of_dependent(&sums));
         sums
     }

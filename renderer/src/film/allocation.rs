@@ -9,6 +9,9 @@ const EVEN: f64 = 0.05;
 /// n to the 3/2, as scrambled points make it at edges.
 const EXPONENT: f64 = 0.9;
 
+/// How far to each side a pixel's error is looked for, in pixels.
+const REACH: usize = 6;
+
 /// Most samples of a pixel, in units of the mean.
 const MOST: f64 = 64.0;
 
@@ -49,31 +52,32 @@ pub struct Pilot {
 /// claim `relation/allocation/same-mean`
 pub fn by_error([width, height]: [u32; 2], variances: &[f64], least: u32, samples: u32) -> Vec<u32> {
     let size = [width as usize, height as usize];
+    let errors: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
     let mut counts = vec![samples; variances.len()];
     for colour in 0..2 {
         let of_colour = |&place: &usize| (place % size[0] + place / size[0]) % 2 == colour;
         let places: Vec<usize> = (0..counts.len()).filter(of_colour).collect();
-        let errors: Vec<f64> = places.iter().map(|&place| error_around(size, variances, place)).collect();
-        for (place, count) in places.into_iter().zip(in_proportion(&errors, least, samples)) {
+        let around: Vec<f64> = places.iter().map(|&place| error_around(size, &errors, place)).collect();
+        for (place, count) in places.into_iter().zip(in_proportion(&around, least, samples)) {
             counts[place] = count;
         }
     }
     counts
 }
 
-/// The mean of the errors of the pixels that lie at one step, and with a quarter of the weight those at three.
-fn error_around([width, height]: [usize; 2], variances: &[f64], place: usize) -> f64 {
+/// The mean of the errors of pixels of the other colour, at the distance r with the weight (1 + r²)^(−3/2).
+fn error_around([width, height]: [usize; 2], errors: &[f64], place: usize) -> f64 {
     let (x, y) = (place % width, place / width);
     let (mut sum, mut weights) = (0.0, 0.0);
-    for row in y.saturating_sub(2)..(y + 3).min(height) {
-        for column in x.saturating_sub(2)..(x + 3).min(width) {
-            let weight = match row.abs_diff(y) + column.abs_diff(x) {
-                1 => 4.0,
-                3 => 1.0,
-                _ => continue,
-            };
-            sum += weight * variances[row * width + column].sqrt();
-            weights += weight;
+    for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
+        for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
+            let [across, down] = [column.abs_diff(x), row.abs_diff(y)];
+            if (across + down) % 2 == 1 {
+                let squared = 1.0 + (across * across + down * down) as f64;
+                let weight = 1.0 / (squared * squared.sqrt());
+                sum += weight * errors[row * width + column];
+                weights += weight;
+            }
         }
     }
     if weights > 0.0 { sum / weights } else { 0.0 }

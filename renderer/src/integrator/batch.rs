@@ -1,5 +1,6 @@
 //! The third idea: work comes in batches.
 
+use super::reuse::Reuse;
 use crate::interaction::Interaction;
 use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
@@ -10,6 +11,8 @@ use crate::sampling::{Place, SampleId, Vertex};
 pub struct Sample {
     /// Which sample it is.
     pub id: SampleId,
+    /// Which samples of the batch it shares with: those of the same set.
+    pub set: u32,
     /// Position on the film in pixels from the upper left corner.
     pub position: [f64; 2],
     /// The filter's signed weight there.
@@ -109,6 +112,8 @@ pub struct Batch {
     pub blocked: Vec<bool>,
     /// Rays, in the order of `paths`.
     pub rays: Vec<Ray>,
+    /// Surfaces of samples that share.
+    pub reuse: Reuse,
     /// Contributions left out because they were not finite.
     pub dropped: u64,
 }
@@ -160,18 +165,23 @@ impl Draws {
 }
 
 impl Batch {
-    /// Empties the batch and puts in the samples `ids`.
-    pub fn refill(&mut self, ids: impl Iterator<Item = SampleId>) {
+    /// Takes everything out.
+    pub fn clear(&mut self) {
         self.samples.clear();
-        self.samples.extend(ids.map(|id| Sample {
+        self.paths.clear();
+    }
+
+    /// Puts in samples, each with its set.
+    pub fn extend(&mut self, samples: impl Iterator<Item = (u32, SampleId)>) {
+        self.samples.extend(samples.map(|(set, id)| Sample {
             id,
+            set,
             position: [0.0; 2],
             weight: 1.0,
             time: 0.0,
             lens: [0.0; 2],
             radiance: Rgb::BLACK,
         }));
-        self.paths.clear();
     }
 
     /// Adds a contribution to a sample, or counts it as dropped if it, or what it adds up to, is not finite.

@@ -3,6 +3,7 @@
 pub mod batch;
 mod connect;
 pub mod path;
+pub mod reuse;
 mod scatter;
 pub mod stages;
 
@@ -16,6 +17,11 @@ use crate::scene::Scene;
 pub trait Integrator: Send + Sync {
     /// Decisions made up to and at the first hit, and at later ones, in `scene`.
     fn decisions(&self, scene: &Scene) -> [DecisionSet; 2];
+
+    /// Whether samples of neighbouring pixels share what they find (`integrator/reuse.rs`).
+    fn reuses(&self, _scene: &Scene) -> bool {
+        false
+    }
 
     /// Fills in the radiance of every sample in `batch`.
     fn trace<S: Sampler>(&self, scene: &Scene, sampler: &S, batch: &mut Batch);

@@ -1,6 +1,6 @@
 //! Light paths from the camera, from surface to surface.
 
-use super::{Batch, Integrator, stages};
+use super::{Batch, Integrator, reuse, stages};
 use crate::sampling::{Decision, DecisionSet, Sampler};
 use crate::scene::{Effect, IntegratorSettings, Scene, Strategy};
 
@@ -56,9 +56,15 @@ impl Integrator for PathTracer {
         [first, later]
     }
 
+    fn reuses(&self, scene: &Scene) -> bool {
+        self.settings.reuse && !scene.effects.contains(Effect::Shutter)
+    }
+
     fn trace<S: Sampler>(&self, scene: &Scene, sampler: &S, batch: &mut Batch) {
         let settings = &self.settings;
         let lights = settings.strategy != Strategy::Material && !scene.lights.is_empty();
+
+        let reuses = self.reuses(scene);
 
         stages::camera(scene, sampler, batch);
         for depth in 1..=settings.max_depth.unwrap_or(u32::MAX) {
@@ -73,6 +79,9 @@ impl Integrator for PathTracer {
             if settings.max_depth == Some(depth) {
                 break;
             }
+            if reuses && depth == 2 {
+                reuse::reach_second(scene, batch);
+            }
             let last = settings.max_depth.is_some_and(|max| max - depth == 1);
             if lights {
                 stages::light_points(scene, sampler, settings.strategy, last, batch);
@@ -81,10 +90,16 @@ impl Integrator for PathTracer {
             if last {
                 stages::leave_connected(scene, settings.strategy, batch);
             }
+            if reuses && depth == 1 {
+                reuse::leave_first(scene, settings.rr_depth <= 1, batch);
+            }
             stages::scatter(scene, sampler, settings.branch, batch);
             if depth >= settings.rr_depth {
                 stages::roulette(sampler, batch);
             }
+        }
+        if reuses {
+            reuse::share(scene, batch);
         }
     }
 }

@@ -156,12 +156,16 @@ pub fn leave_connected(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
     batch.surfaces.retain(|surface| !is_connected(scene, strategy, surface.interaction.object));
 }
 
-/// Ends paths by chance: one goes on with probability q = min(0.95, throughput without the squeezing of solid
-/// angles), and then counts 1/q times.
+/// The chance of a path to go on, min(0.95, throughput without the squeezing of solid angles).
+pub(super) fn chance_to_go_on(throughput: Rgb, eta_scale: f32) -> f32 {
+    (throughput.max_component() * eta_scale).min(0.95)
+}
+
+/// Ends paths by chance; one that goes on counts in inverse proportion to that.
 pub fn roulette<S: Sampler>(sampler: &S, batch: &mut Batch) {
     let Batch { paths, samples, .. } = batch;
     paths.retain_mut(|path| {
-        let q = (path.throughput.max_component() * path.eta_scale).min(0.95);
+        let q = chance_to_go_on(path.throughput, path.eta_scale);
         // the path's vertex is that of its next hit; the decision belongs to the one it leaves
         let vertex = Vertex { bounce: path.vertex.bounce - 1, ..path.vertex };
         let u = sampler.draw_1d(samples[path.sample as usize].id, vertex, Decision::Roulette);

@@ -19,6 +19,7 @@ const SAMPLER: &str = "lightproof.sampler";
 const REPLICATES: &str = "lightproof.replicates";
 const SAMPLE_RANGE: &str = "lightproof.sample_range";
 const LARGEST_SHARE: &str = "lightproof.largest_share";
+const SHARED_BY: &str = "lightproof.errors_shared_by";
 const VERSION: &str = "lightproof.version";
 
 /// Writes `image` to `path`.
@@ -93,6 +94,9 @@ fn attributes_of(metadata: &Metadata) -> impl Iterator<Item = (Text, AttributeVa
         list.push(text(REPLICATES, &p.replicates.to_string()));
         list.push(text(SAMPLE_RANGE, &format!("{first}..{end}")));
         list.push((Text::from(LARGEST_SHARE), AttributeValue::F64(p.largest_share)));
+        if p.shared_by > 1 {
+            list.push(text(SHARED_BY, &p.shared_by.to_string()));
+        }
         list.push(text(VERSION, &p.version));
     }
     list.into_iter()
@@ -199,6 +203,7 @@ fn provenance_of(path: &Path, metadata: &mut Metadata, largest_share: f64) -> Re
     let bad = |name: &str, value: &str, accepted: &str| {
         format_error(path, format!("attribute {name} is '{value}'; {accepted} is accepted"))
     };
+    let shared_by = take(SHARED_BY).unwrap_or_else(|_| "1".into());
     let seed = take(SEED)?;
     let replicates = take(REPLICATES)?;
     let range = take(SAMPLE_RANGE)?;
@@ -211,6 +216,7 @@ fn provenance_of(path: &Path, metadata: &mut Metadata, largest_share: f64) -> Re
         replicates: replicates.parse().map_err(|_| bad(REPLICATES, &replicates, "a whole number"))?,
         sample_range: bounds.ok_or_else(|| bad(SAMPLE_RANGE, &range, "FIRST..END"))?,
         largest_share,
+        shared_by: shared_by.parse().map_err(|_| bad(SHARED_BY, &shared_by, "a whole number of pixels"))?,
     })
 }
 
@@ -231,6 +237,7 @@ mod tests {
             replicates: 4,
             sample_range: [0, 16],
             largest_share: 0.125,
+            shared_by: 8,
             version: "0.1.0".into(),
         });
         image

@@ -48,6 +48,8 @@ pub struct Provenance {
     pub sample_range: [u64; 2],
     /// Largest share of one sample in any pixel's sum, 0 to 1.
     pub largest_share: f64,
+    /// Most pixels that have errors in common; 1 where each has its own.
+    pub shared_by: u32,
     /// Version of the program.
     pub version: String,
 }

@@ -12,7 +12,7 @@ use crate::Error;
 use crate::film::{Allocation, Film, Part, Reconstruction, TileSums};
 use crate::render::{RenderSettings, Rendering};
 
-const FORMAT: &str = "lightproof part 2";
+const FORMAT: &str = "lightproof part 3";
 
 /// Whether all pixels have the samples of the range, or each a number of its own.
 const EVEN: &str = "even";
@@ -33,12 +33,14 @@ pub struct Origin {
     pub seed: u64,
     /// How the film makes a pixel of its samples.
     pub reconstruction: Reconstruction,
+    /// Most pixels that have errors in common; 1 where each has its own.
+    pub shared_by: u32,
     /// Version of the program.
     pub version: String,
 }
 
 impl Origin {
-    /// Of a render with `settings` of the scene of that hash.
+    /// Of a render with `settings` of the scene of that hash, whose pixels have errors of their own.
     ///
     /// * `how`: everything else that the samples depend on, in one line.
     pub fn new(
@@ -54,11 +56,12 @@ impl Origin {
             samples: settings.samples,
             seed: settings.seed,
             reconstruction,
+            shared_by: 1,
             version: env!("CARGO_PKG_VERSION").into(),
         }
     }
 
-    fn lines(&self) -> [(&'static str, String); 7] {
+    fn lines(&self) -> [(&'static str, String); 8] {
         [
             ("scene_hash", self.scene_hash.clone()),
             ("how", self.how.clone()),
@@ -66,6 +69,7 @@ impl Origin {
             ("samples", self.samples.to_string()),
             ("seed", self.seed.to_string()),
             ("reconstruction", self.reconstruction.name().into()),
+            ("shared_by", self.shared_by.to_string()),
             ("version", self.version.clone()),
         ]
     }
@@ -86,6 +90,7 @@ impl Origin {
             replicates: part.replicates,
             sample_range: part.range.map(|index| u64::from(index) * u64::from(part.replicates)),
             largest_share: rendering.largest_share,
+            shared_by: self.shared_by,
             version: self.version.clone(),
         }
     }
@@ -159,6 +164,7 @@ fn decode(bytes: &[u8]) -> Result<(Origin, Part), String> {
         samples: header.number("samples")?,
         seed: header.number("seed")?,
         reconstruction: header.reconstruction()?,
+        shared_by: header.number("shared_by")?,
         version: header.text("version")?.into(),
     };
     let size: [u32; 2] = header.pair("size")?;

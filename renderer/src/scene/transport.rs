@@ -47,6 +47,8 @@ pub struct IntegratorSettings {
     pub light_sampling: LightSampling,
     /// Whether lights are invisible to the camera.
     pub hide_emitters: bool,
+    /// Whether samples of neighbouring pixels share what their paths find at second surfaces, unless the scene has a shutter.
+    pub reuse: bool,
 }
 
 impl IntegratorSettings {
@@ -58,6 +60,7 @@ impl IntegratorSettings {
         strategy: Strategy::Both,
         light_sampling: LightSampling::Auto,
         hide_emitters: false,
+        reuse: false,
     };
 
     /// Lights and direct light only.

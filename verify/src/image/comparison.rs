@@ -280,6 +280,28 @@ mod tests {
         assert!(found.pooled.resolution_percent < 0.5);
     }
 
+    /// Of 200 pairs of equal images in which eight neighbours have the same error, how many are rejected at 1e-2.
+    fn rejected(shared_by: u64) -> u64 {
+        let one = |seed: u64| {
+            let value = |k: u64, i: usize| 1.0 + uniform(4 * seed + k, i as u64 / 8);
+            let of = |i: usize| (0..4).map(|k| value(k, i)).collect::<crate::estimate::Moments>().estimate();
+            let estimates: Vec<_> = (0..SIZE[0] * SIZE[1]).map(of).collect();
+            let errors: Vec<f64> = estimates.iter().map(|e| e.standard_error).collect();
+            let means = estimates.iter().map(|e| e.mean).collect();
+            Image::with_errors(SIZE, 1, means, &errors, 4).unwrap().with_errors_shared_by(shared_by)
+        };
+        let p = |pair: u64| compare(&one(2 * pair), &one(2 * pair + 1), 0.5).unwrap().evidence.p_value;
+        (0..200).filter(|&pair| p(pair) < 0.01).count() as u64
+    }
+
+    #[test]
+    fn errors_in_common_are_counted_where_an_image_says_so() {
+        let tail = |n: u64| Binomial::new(0.01, 200).unwrap().sf(n);
+        let [apart, together] = [1, 8].map(rejected);
+        assert!(tail(apart) < 1e-9, "{apart}: independent pixels are another thing");
+        assert!(tail(together) > 1e-9, "{together}: as many as chance rejects, or fewer");
+    }
+
     #[test]
     fn one_percent_of_brightness_fails() {
         let brighter = |i: usize| 1.01 * truth(i);

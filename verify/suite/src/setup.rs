@@ -258,15 +258,15 @@ pub fn built(description: &SceneDescription) -> Scene {
 
 /// A function of a configuration and a seed that remembers its values: controls that plant a defect in what the
 /// subject gave need not render it again.
-pub fn remembering(subject: impl Fn(usize, u64) -> f64) -> impl Fn(usize, u64) -> f64 {
+pub fn remembering<T: Clone>(subject: impl Fn(usize, u64) -> T) -> impl Fn(usize, u64) -> T {
     let known = Mutex::new(HashMap::new());
     move |configuration, seed| {
         let remembered = || known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(&value) = remembered().get(&(configuration, seed)) {
-            return value;
+        if let Some(value) = remembered().get(&(configuration, seed)) {
+            return T::clone(value);
         }
         let value = subject(configuration, seed);
-        remembered().insert((configuration, seed), value);
+        remembered().insert((configuration, seed), value.clone());
         value
     }
 }

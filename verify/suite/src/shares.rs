@@ -81,7 +81,8 @@ fn values<I: Integrator, S: Sampler>(
     ids: &[SampleId],
     batch: &mut Batch,
 ) -> Vec<Rgb> {
-    batch.refill(ids.iter().copied());
+    batch.clear();
+    batch.extend((0..).zip(ids.iter().copied()));
     integrator.trace(scene, sampler, batch);
     batch.samples.iter().map(|s| s.radiance * s.weight).collect()
 }

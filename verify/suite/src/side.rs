@@ -89,7 +89,8 @@ fn single(path: &Path, file: &renderer::io::Image, values: &[f64]) -> Result<Ima
     let size = [file.width, file.height];
     let image = Image::with_errors(size, 3, values.to_vec(), &errors, replicates).map_err(refused)?;
     let share = file.metadata.provenance.as_ref().map_or(0.0, |provenance| provenance.largest_share);
-    let image = image.with_largest_share(share);
+    let shared_by = file.metadata.provenance.as_ref().map_or(1, |provenance| provenance.shared_by);
+    let image = image.with_largest_share(share).with_errors_shared_by(shared_by.into());
     match seed_tiles(&path.with_extension("json"), size, values)? {
         Some(sums) => image.with_seed_tiles(sums).map_err(refused),
         None => Ok(image),

@@ -258,6 +258,23 @@ fn effects_are_listed_with_their_shares() {
 }
 
 #[test]
+fn neighbours_share_paths_of_one_moment_only() {
+    let scene = reference("cornell");
+    let render = |name: &str, more: &[&str]| {
+        let work = [&["render", &scene, "--spp", "16", "-D", "res=16", "-o", name][..], more].concat();
+        lightproof("reuse", &work)
+    };
+    let (_, folder) = render("own.exr", &[]);
+    render("shared.exr", &["--reuse"]);
+    let image = |name: &str| renderer::io::exr::read(&folder.join(name)).expect("it was written");
+    let shared_by = |name: &str| image(name).metadata.provenance.map(|provenance| provenance.shared_by);
+    assert_eq!(["own.exr", "shared.exr"].map(shared_by), [Some(1), Some(8)]);
+    assert_ne!(image("own.exr").rgb, image("shared.exr").rgb);
+    let moving = ["render", &reference("moving"), "--reuse"];
+    assert_refused(&lightproof("reuse", &moving).0, &["--reuse", "without shutter"]);
+}
+
+#[test]
 fn an_effect_left_out_is_not_drawn() {
     let scene = reference("thin-lens");
     let common = ["render", &scene, "-D", "res=16", "--spp", "4", "-o"];

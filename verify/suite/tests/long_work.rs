@@ -81,6 +81,11 @@ fn so_does_one_with_samples_by_error() {
     refused(&[&work[..], &["--resume", "--allocate"]].concat(), "it holds other samples");
 }
 
+#[test]
+fn so_does_one_whose_neighbours_share_paths() {
+    killed_and_resumed("killed-reuse", &["--spp", "600", "--sampler", "sobol", "--allocate", "--reuse"]);
+}
+
 fn killed_and_resumed(name: &str, work: &[&str]) {
     let folder = empty(name);
     let (whole, cut) = (path_in(&folder, "whole.exr"), path_in(&folder, "cut.exr"));

@@ -15,6 +15,7 @@ use verify::claim::{Claim, Level, claim};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 mod allocation;
+mod reuse;
 mod unchanged;
 
 use crate::bounds;
@@ -62,6 +63,7 @@ pub(super) fn claims() -> Vec<Claim> {
         ),
     ];
     list.extend(allocation::claims());
+    list.extend(reuse::claims());
     let seldom = [
         ("relation/light/many-quick", "six lights give the sum of what each gives", six_lights as Versions),
         ("relation/sampler/same-mean-quick", "every sampler gives the same mean of a room", samplers),

@@ -45,11 +45,12 @@ impl Kind {
             Self::Png => io::png::write(path, &image(), 0.0)?,
             Self::Part => io::part::write(path, origin, part)?,
         }
-        summarise(&rendering, path, time)
+        summarise(&rendering, origin.shared_by, path, time)
     }
 }
 
-fn summarise(rendering: &Rendering, output: &Path, time: Duration) -> Result<(), CliError> {
+/// * `shared_by`: how many pixels have errors in common at most, which adds up to so many times the variance of independent ones.
+fn summarise(rendering: &Rendering, shared_by: u32, output: &Path, time: Duration) -> Result<(), CliError> {
     let (mut sum, mut variance, mut known) = (0.0, 0.0, true);
     for pixel in &rendering.pixels {
         sum += pixel.mean.iter().sum::<f64>();
@@ -57,8 +58,11 @@ fn summarise(rendering: &Rendering, output: &Path, time: Duration) -> Result<(),
         variance += pixel.standard_error.map_or(0.0, |e| e.iter().map(|e| e * e).sum());
     }
     let count = 3.0 * rendering.pixels.len() as f64;
-    let error =
-        if known { format!(" ± {:.2e}", f64::sqrt(variance) / count) } else { ", error unknown".into() };
+    let error = if known {
+        format!(" ± {:.2e}", f64::sqrt(f64::from(shared_by) * variance) / count)
+    } else {
+        ", error unknown".into()
+    };
     let (mean, seconds) = (sum / count, time.as_secs_f64());
     let mut err = stderr();
     writeln!(err, "{}: mean {mean:.6}{error}, {seconds:.1} s", output.display())?;

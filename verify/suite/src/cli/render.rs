@@ -8,7 +8,8 @@ use std::time::Duration;
 use clap::builder::PossibleValuesParser;
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer::film::{Part, Reconstruction};
-use renderer::integrator::PathTracer;
+use renderer::integrator::reuse::MATES;
+use renderer::integrator::{Integrator, PathTracer};
 use renderer::io;
 use renderer::io::part::Origin;
 use renderer::render::{self, RenderSettings, pilot};
@@ -26,6 +27,7 @@ const EXAMPLES: &str = "Examples:
   lightproof render scene.xml -o preview.png --spp 16 -D res=128
   lightproof render glass.xml --integrator distribution --branch both --replicates 32
   lightproof render scene.xml --spp 64 --allocate          most samples where the image is most uncertain
+  lightproof render scene.xml --spp 64 --allocate --reuse  and light between surfaces shared by neighbours
   lightproof render scene.xml --spp 4096 --resume          go on where a run was cut off
   lightproof render scene.xml --spp 64 --samples 0..8 -o first.part
 
@@ -73,6 +75,9 @@ pub(super) struct Args {
     /// Gives pixels samples in proportion to their error, as a quarter of them, taken first, finds it; --spp is their mean
     #[arg(long, conflicts_with = "samples")]
     allocate: bool,
+    /// Lets samples of neighbouring pixels share what their paths find; neighbours then have errors in common
+    #[arg(long)]
+    reuse: bool,
     /// Goes on from the checkpoint of a run of the same scene and options that was cut off, if there is one
     #[arg(long)]
     resume: bool,
@@ -121,10 +126,18 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     let settings = settings(args, &description);
     let part = empty_part(args, &description, &settings)?;
     let how = format!("{:?} {:?} {:?}", description.integrator, description.film, args.without);
-    let origin = Origin::new(description.hash, &settings, &how, description.film.reconstruction);
-    let checkpoint = Checkpoint::beside(&output, origin.clone(), Duration::from_secs_f64(args.checkpoint));
     let scene = Scene::new(&description)?;
     let integrator = PathTracer { settings: description.integrator };
+    if args.reuse && !integrator.reuses(&scene) {
+        return Err(CliError::Arguments(
+            "--reuse: samples of different moments can't share paths; a scene without shutter is accepted, as by --without shutter".into(),
+        ));
+    }
+    let origin = Origin {
+        shared_by: if args.reuse { MATES as u32 } else { 1 },
+        ..Origin::new(description.hash, &settings, &how, description.film.reconstruction)
+    };
+    let checkpoint = Checkpoint::beside(&output, origin.clone(), Duration::from_secs_f64(args.checkpoint));
     let bar = progress_bar();
     let start = std::time::Instant::now();
     let found = if args.resume { checkpoint.resume(&part, args.allocate)? } else { None };
@@ -198,6 +211,7 @@ fn apply(args: &Args, description: &mut SceneDescription) -> Result<(), CliError
     }
     description.sampler.spp = args.spp.unwrap_or(description.sampler.spp);
     let integrator = &mut description.integrator;
+    integrator.reuse = args.reuse;
     match args.integrator.as_deref() {
         Some("direct") => integrator.max_depth = Some(2),
         Some("distribution") => integrator.branch = Branch::Both,
