@@ -18,7 +18,7 @@ use crate::scene::Scene;
 pub mod pilot;
 
 /// Samples that travel together: few enough for the lists of all stages to stay in a core's own cache.
-const BATCH: usize = 512;
+const BATCH: u32 = 512;
 
 /// How much work is done, and from which seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -279,10 +279,10 @@ impl<I: Integrator> Finish<'_, I> {
     fn units<'a>(&self, group: &'a [Indices]) -> impl Iterator<Item = Unit<'a>> + use<'a, I> {
         let start = group.iter().map(|of| of.range[0]).min().unwrap_or(0);
         let end = group.iter().map(|of| of.range[1]).max().unwrap_or(0);
-        let length = BATCH / group.len().max(1);
+        let length = if group.len() == 1 { BATCH } else { BATCH / reuse::MATES };
         let cut = move |replicate| {
-            let starts = (start..end).step_by(length);
-            starts.map(move |a| Unit { group, replicate, indices: [a, end.min(a + length as u32)] })
+            let starts = (start..end).step_by(length as usize);
+            starts.map(move |a| Unit { group, replicate, indices: [a, end.min(a + length)] })
         };
         (0..self.settings.replicates).flat_map(cut)
     }
@@ -307,7 +307,7 @@ impl<I: Integrator> Finish<'_, I> {
             batch.clear();
             batch.extend(unit.ids(0));
             let mut sets = unit.sets();
-            while let Some(unit) = units.next_if(|unit| batch.samples.len() + unit.len() <= BATCH) {
+            while let Some(unit) = units.next_if(|unit| batch.samples.len() + unit.len() <= BATCH as usize) {
                 batch.extend(unit.ids(sets));
                 sets += unit.sets();
             }

@@ -1,9 +1,9 @@
 //! The stages in which samples of neighbouring pixels share the light that their paths' second surfaces send.
 //!
 //! A sample's ray leaves a diffuse surface at x and meets another one at y, where the rest of its path finds the radiance L.
-//! Any of up to eight samples, one of each pixel of a group, could have met y: the one at x_k with the density
-//! p_k = cos θ cos θ′ / (π r²) per area there, or 0 if something is in between. By the balance heuristic over all of them
-//! the sample at x_j gets T_j · L · p_j / Σ q_k · p_k, where its path would carry T_j, and goes on with the chance q_j. So each mean is
+//! Any of up to eight samples, one of each pixel of a group, could have met y: the one at xₖ with the density
+//! pₖ = cos θ cos θ′ / (π r²) per area there, or 0 if something is in between. By the balance heuristic over all of them
+//! the sample at xⱼ gets Tⱼ · L · pⱼ / Σ qₖ · pₖ, where its path would carry Tⱼ, and goes on with the chance qⱼ. So each mean is
 //! right, a sample has up to eight second surfaces in the place of one, and pixels have a part of their errors in common.
 //!
 //! # Source
@@ -23,7 +23,10 @@ use crate::math::eight::Vec3x8;
 use crate::scene::Scene;
 
 /// Most samples that share, each of a pixel of its own.
-pub const MATES: usize = 8;
+pub const MATES: u32 = 8;
+
+/// Their lanes.
+const LANES: usize = MATES as usize;
 
 /// Side of the square whose pixels share, those of either colour of a chessboard: numbers of samples by error follow from
 /// the other colour (`film/allocation.rs`).
@@ -48,13 +51,13 @@ pub struct Reuse {
 /// Diffuse first surfaces of one set of samples.
 #[derive(Debug, Clone)]
 struct Mates {
-    samples: [u32; MATES],
+    samples: [u32; LANES],
     count: usize,
     points: EightPoints,
     /// Shading normals, on the lit side.
     n: Vec3x8,
     /// What paths carry away.
-    throughput: [Rgb; MATES],
+    throughput: [Rgb; LANES],
     /// The chances that paths go on; 0 in the lanes that are left.
     chance: f32x8,
 }
@@ -79,11 +82,11 @@ struct Second {
 
 impl Mates {
     const NONE: Self = Self {
-        samples: [0; MATES],
+        samples: [0; LANES],
         count: 0,
         points: EightPoints::ZERO,
         n: Vec3x8::ZERO,
-        throughput: [Rgb::BLACK; MATES],
+        throughput: [Rgb::BLACK; LANES],
         chance: f32x8::ZERO,
     };
 

@@ -142,7 +142,7 @@ fn work_that_does_not_fit_is_refused() {
         &["render", SCENE, "-D", "res=16000", "--replicates", "4000", "--spp", "4000", "-o", &output],
         "GiB",
     );
-    std::fs::write(folder.join("x.exr.checkpoint"), "lightproof part 2\nscene_hash 0\n\n")
+    std::fs::write(folder.join("x.exr.checkpoint"), "lightproof part 3\nscene_hash 0\n\n")
         .expect("it can be written");
     refused(&["render", SCENE, "-D", "res=8", "--resume", "-o", &output], "checksum");
 }
