@@ -37,8 +37,18 @@ fn rotation(rng: &mut Pcg64) -> DQuat {
     DQuat::from_scaled_axis(direction(rng).as_dvec3() * 3.0 * rng.random::<f64>())
 }
 
-/// A random shape, `None` if the draw is one that is refused (a needle), and whether it is flat.
+/// A random shape, `None` if the draw is one that is refused (a needle), and whether it is flat, or a body with flat faces.
 fn shape(rng: &mut Pcg64) -> Option<(Shape, bool)> {
+    if rng.random_range(0..6) > 0 {
+        return one_surface(rng);
+    }
+    let linear = DMat3::from_cols(vector(rng), vector(rng), vector(rng));
+    let map = DAffine3::from_mat3_translation(linear, vector(rng));
+    Shape::new(&ShapeSettings::Cube, &map, rng.random()).ok().map(|s| (s, true))
+}
+
+/// The same of one face or a quadric.
+fn one_surface(rng: &mut Pcg64) -> Option<(Shape, bool)> {
     let rigid = DAffine3::from_rotation_translation(rotation(rng), vector(rng));
     let linear = DMat3::from_cols(vector(rng), vector(rng), vector(rng));
     let affine = DAffine3::from_mat3_translation(linear, vector(rng));
@@ -73,6 +83,11 @@ fn comes_back(object: &Object, at: &SurfacePoint, wi: Vec3, time: f32) -> bool {
     let ray = object.to_object(&at.spawn(wi, time));
     let Some(hit) = object.shape.intersect(0, &ray) else { return false };
     let (radius, flipped) = match &object.shape {
+        // Out of a cube it meets nothing more, and through one another face.
+        Shape::Cube(c) => {
+            let is_outward = (at.ng.dot(wi) > 0.0) != c.is_flipped();
+            return is_outward || object.surface(0, &hit, &at.spawn(wi, time)).ng == at.ng;
+        }
         Shape::Sphere(s) => (s.radius(), s.is_flipped()),
         Shape::Cylinder(c) => (c.radius(), c.is_flipped()),
         _ => return true,
@@ -139,7 +154,7 @@ proptest! {
     #[test]
     fn segments_end_before_their_target(seed: u64) {
         let rng = &mut Pcg64::seed_from_u64(seed);
-        let Some((shape, true)) = shape(rng) else { return Ok(()) };
+        let Some((shape, true)) = one_surface(rng) else { return Ok(()) };
         for _ in 0..100 {
             let start = vector(rng).as_vec3();
             let start = SurfacePoint { point: start, error: start.abs() * f32::EPSILON, ng: direction(rng), n: Vec3::Z, uv: [0.0; 2] };
@@ -151,7 +166,7 @@ proptest! {
     #[test]
     fn near_surfaces_are_not_skipped(seed: u64) {
         let rng = &mut Pcg64::seed_from_u64(seed);
-        let Some((shape, _)) = shape(rng) else { return Ok(()) };
+        let Some((shape, _)) = one_surface(rng) else { return Ok(()) };
         let at = shape.sample_area([0.5, 0.5]);
         let bounds = shape.bounds();
         let scale = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -254,11 +269,19 @@ fn canonical_shapes_have_exact_hits() {
 fn the_cube_faces_outward_with_mitsubas_texture_squares() {
     let cube = Shape::new(&ShapeSettings::Cube, &DAffine3::IDENTITY, false).unwrap();
     assert_eq!(cube.area(), 24.0);
-    for element in 0..12 {
-        let ray = Ray::new(Vec3::ZERO, Vec3::X, 0.0);
-        let at = cube.surface(element, &ShapeHit { t: 1.0, uv: [0.25, 0.25] }, &ray);
-        assert!(at.ng.dot(at.point) > 0.0);
-        assert_eq!(at.ng, at.n);
+    let light = Shape::new(&ShapeSettings::Cube.of_light(), &DAffine3::IDENTITY, false).unwrap();
+    assert_eq!((light.area(), light.element_count()), (24.0, 12));
+    for axis in Vec3::AXES.into_iter().chain(Vec3::AXES.map(|axis| -axis)) {
+        // From inside, where a ray leaves it, and from outside.
+        let rays = [Ray::new(0.1 * Vec3::ONE, axis, 0.0), Ray::new(3.0 * axis + 0.1 * Vec3::ONE, -axis, 0.0)];
+        for (ray, t) in rays.iter().zip([1.0 - 0.1 * axis.dot(Vec3::ONE), 2.0 + 0.1 * axis.dot(Vec3::ONE)]) {
+            let [here, there] = [&cube, &light].map(|shape| nearest(shape, ray));
+            // Roundings of a few numbers below 4.
+            assert!((here.1.t - t).abs() <= 4.0 * f32::EPSILON && here.2.ng == axis, "{here:?}");
+            assert!(here.2.point.abs_diff_eq(there.2.point, 4.0 * f32::EPSILON), "{here:?} {there:?}");
+            assert_eq!([here.2.ng, here.2.n, here.2.n], [there.2.ng, there.2.n, here.2.ng]);
+            assert!((0..2).all(|i| (here.2.uv[i] - there.2.uv[i]).abs() <= f32::EPSILON));
+        }
     }
     // Mitsuba's vertex (1, −1, 1) of the face y = −1 has (1, 1), and (−1, 1, 1) of x = −1 has (1, 1).
     let near = |origin: [f32; 3], direction: [f32; 3]| hit(&cube, origin, direction).1.uv;

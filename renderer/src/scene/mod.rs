@@ -185,7 +185,8 @@ fn place(object: &ObjectSettings, to_frame: DVec3, shutter: Shutter) -> Result<O
     let motion = object.to_world.then(&DAffine3::from_translation(to_frame))?;
     let moves = !motion.is_static() && shutter.length() > 0.0;
     let map = if moves { DAffine3::IDENTITY } else { motion.at(shutter.open) };
-    let mut shape = Shape::new(&object.shape, &map, object.flip_normals)?;
+    let settings = if object.radiance.is_black() { object.shape.clone() } else { object.shape.of_light() };
+    let mut shape = Shape::new(&settings, &map, object.flip_normals)?;
     if !(object.material.is_textured() || object.radiance.varies()) {
         shape = shape.without_coordinates();
     }

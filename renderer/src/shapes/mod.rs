@@ -16,6 +16,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use wide::{f32x8, f64x8};
 
+pub use cube::Cube;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use mesh::{Mesh, MeshData};
@@ -58,6 +59,17 @@ pub enum ShapeSettings {
     Mesh(Arc<MeshData>),
 }
 
+impl ShapeSettings {
+    /// The same surface for a light: a cube as triangles, whose points can be found by solid angle.
+    #[must_use]
+    pub fn of_light(&self) -> Self {
+        match self {
+            Self::Cube => Self::Mesh(Arc::new(cube::triangles())),
+            other => other.clone(),
+        }
+    }
+}
+
 /// Where a ray met one element of a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapeHit {
@@ -96,6 +108,8 @@ pub enum Shape {
     Disk(Disk),
     /// The lateral surface of a cylinder.
     Cylinder(Cylinder),
+    /// A parallelepiped.
+    Cube(Box<Cube>),
     /// Triangles.
     Mesh(Mesh),
 }
@@ -121,7 +135,7 @@ impl Shape {
             ShapeSettings::Cylinder { p0, p1, radius } => {
                 Self::Cylinder(Cylinder::new([*p0, *p1], *radius, to_frame, flip_normals)?)
             }
-            ShapeSettings::Cube => Self::Mesh(Mesh::new(&cube::data(), to_frame, flip_normals)?),
+            ShapeSettings::Cube => Self::Cube(Box::new(Cube::new(to_frame, flip_normals))),
             ShapeSettings::Mesh(data) => Self::Mesh(Mesh::new(data, to_frame, flip_normals)?),
         };
         check_extent(&shape)?;
@@ -135,7 +149,7 @@ impl Shape {
             Self::Sphere(s) => Self::Sphere(s.without_coordinates()),
             Self::Disk(d) => Self::Disk(d.without_coordinates()),
             Self::Cylinder(c) => Self::Cylinder(c.without_coordinates()),
-            Self::Rectangle(_) | Self::Mesh(_) => self,
+            Self::Rectangle(_) | Self::Cube(_) | Self::Mesh(_) => self,
         }
     }
 
@@ -154,6 +168,7 @@ impl Shape {
             Self::Rectangle(r) => r.bounds(),
             Self::Disk(d) => d.bounds(),
             Self::Cylinder(c) => c.bounds(),
+            Self::Cube(c) => c.bounds(),
             Self::Mesh(m) => m.triangle_bounds(element),
         }
     }
@@ -170,6 +185,7 @@ impl Shape {
             Self::Rectangle(r) => r.intersect(ray),
             Self::Disk(d) => d.intersect(ray),
             Self::Cylinder(c) => c.intersect(ray),
+            Self::Cube(c) => c.intersect(ray),
             Self::Mesh(m) => m.intersect(element, ray),
         }
     }
@@ -182,6 +198,7 @@ impl Shape {
             Self::Sphere(s) => Some(s.intersect_eight(rays)),
             Self::Rectangle(r) => Some(r.intersect_eight(rays)),
             Self::Disk(d) => Some(d.intersect_eight(rays)),
+            Self::Cube(c) => Some(c.intersect_eight(rays)),
             Self::Cylinder(_) | Self::Mesh(_) => None,
         }
     }
@@ -194,6 +211,7 @@ impl Shape {
             Self::Rectangle(r) => r.surface(hit.uv),
             Self::Disk(d) => d.surface(hit.uv),
             Self::Cylinder(c) => c.surface(ray, hit.t),
+            Self::Cube(c) => c.surface(ray),
             Self::Mesh(m) => m.surface(element, hit.uv),
         }
     }
@@ -206,6 +224,7 @@ impl Shape {
             Self::Rectangle(r) => r.tangent(),
             Self::Disk(d) => d.tangent(surface),
             Self::Cylinder(c) => c.tangent(surface),
+            Self::Cube(c) => c.tangent(surface),
             Self::Mesh(m) => m.tangent(element),
         }
     }
@@ -217,6 +236,7 @@ impl Shape {
             Self::Rectangle(r) => r.area(),
             Self::Disk(d) => d.area(),
             Self::Cylinder(c) => c.area(),
+            Self::Cube(c) => c.area(),
             Self::Mesh(m) => m.area(),
         }
     }
@@ -231,6 +251,7 @@ impl Shape {
             Self::Rectangle(r) => r.sample_area(u),
             Self::Disk(d) => d.sample_area(u),
             Self::Cylinder(c) => c.sample_area(u),
+            Self::Cube(c) => c.sample_area(u),
             Self::Mesh(m) => m.sample_area(u),
         }
     }
@@ -248,7 +269,7 @@ impl Shape {
             Self::Sphere(s) => s.sample_solid_angle(from, u),
             Self::Rectangle(r) => r.sample_solid_angle(from, u),
             Self::Mesh(m) => m.sample_solid_angle(from, u),
-            Self::Disk(_) | Self::Cylinder(_) => None,
+            Self::Disk(_) | Self::Cylinder(_) | Self::Cube(_) => None,
         }
     }
 
@@ -261,7 +282,7 @@ impl Shape {
             Self::Sphere(s) => s.pdf_solid_angle(from),
             Self::Rectangle(r) => r.seen_from(from).map(|seen| 1.0 / seen.solid_angle()),
             Self::Mesh(m) => m.pdf_solid_angle(element, from),
-            Self::Disk(_) | Self::Cylinder(_) => None,
+            Self::Disk(_) | Self::Cylinder(_) | Self::Cube(_) => None,
         }
     }
 }

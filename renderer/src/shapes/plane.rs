@@ -19,8 +19,8 @@ pub(super) struct Plane {
     /// Vectors whose dot product with a point of the plane is its x or y.
     dual_a: DVec3,
     dual_b: DVec3,
-    normal: glam::Vec3,
-    extent: f64,
+    pub(super) normal: glam::Vec3,
+    pub(super) extent: f64,
     jacobian: f64,
 }
 
@@ -74,6 +74,13 @@ impl Plane {
         let distance = accept(t, ray.t_max)?;
         let p = o + d * t;
         Some((distance, [self.dual_a.dot(p), self.dual_b.dot(p)]))
+    }
+
+    /// The coordinates of a point of the plane.
+    #[inline]
+    pub(super) fn place(&self, point: DVec3) -> [f64; 2] {
+        let p = point - self.center;
+        [self.dual_a.dot(p), self.dual_b.dot(p)]
     }
 
     /// What `cross` gives for eight rays: the lanes of those that cross, as bits, the distances and the coordinates.

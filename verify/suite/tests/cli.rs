@@ -266,7 +266,7 @@ fn neighbours_share_paths_of_one_moment_only() {
     };
     let (_, folder) = render("own.exr", &[]);
     render("shared.exr", &["--reuse"]);
-    let image = |name: &str| renderer::io::exr::read(&folder.join(name)).expect("it was written");
+    let image = |name: &str| exr::read(&folder.join(name)).expect("it was written");
     let shared_by = |name: &str| image(name).metadata.provenance.map(|provenance| provenance.shared_by);
     assert_eq!(["own.exr", "shared.exr"].map(shared_by), [Some(1), Some(8)]);
     assert_ne!(image("own.exr").rgb, image("shared.exr").rgb);
