@@ -28,6 +28,10 @@ pub const RELATION: f64 = 0.002;
 /// six lights together would take fifty times as many for a tenth of it.
 pub const RELATION_QUICK: f64 = 0.02;
 
+/// Largest difference of a row or column between paths that neighbours share and paths of their own, relative to the image's mean, in a room
+/// without direct light on what is seen: all of an image's light is shared there, and faults in sharing it move a tenth of it and more.
+pub const SHARED: f64 = 0.1;
+
 /// Largest difference of two ways to estimate the same direct light, relative to it.
 pub const ESTIMATORS: f64 = 0.002;
 

@@ -2,19 +2,22 @@
 
 use std::sync::{Arc, LazyLock};
 
+use glam::{DAffine3, DVec3};
+use renderer::camera::Projection;
+use renderer::film::FilmSettings;
 use renderer::integrator::reuse::group;
 use renderer::sampling::SamplerKind;
-use renderer::scene::Scene;
+use renderer::scene::{IntegratorSettings, Scene};
+use renderer::shapes::ShapeSettings;
 use verify::claim::{Claim, claim};
 use verify::estimate::Moments;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
-use super::room;
 use crate::bounds;
-use crate::setup::{built, image, mean, remembering};
+use crate::setup::{built, diffuse, image, lamp, mean, phong, rectangle_at, remembering, spot, thing};
 
 /// Samples a pixel and replicate.
-const SAMPLES: u32 = 64;
+const SAMPLES: u32 = 512;
 
 /// Pixels in a row, and rows: those of two groups.
 const SIDE: u32 = 4;
@@ -31,7 +34,7 @@ pub(super) fn claims() -> Vec<Claim> {
         let unit = mean(&image(&known[0][0], SamplerKind::Sobol, SAMPLES, 0));
         // sums of f32 products along paths of a few vertices
         let rounding = 16.0 * f64::from(f32::EPSILON);
-        let one = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::RELATION_QUICK) };
+        let one = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::SHARED) };
         [one; LINES]
     }));
     // What an image made of that with paths of their own, or one with shared paths, has more of in a line.
@@ -45,7 +48,7 @@ pub(super) fn claims() -> Vec<Claim> {
         "relation/reuse/same-lines",
         "paths that neighbours share leave the means of an image's rows and columns as they are",
     )
-    .bound(bounds::RELATION_QUICK)
+    .bound(bounds::SHARED)
     .rejects("2.2 × resolution", move |run| {
         joint_control(differences_2.as_slice(), run, |i, seed| more(&*control, i, seed))
     })
@@ -59,11 +62,36 @@ pub(super) fn claims() -> Vec<Claim> {
     vec![same]
 }
 
-/// The room, with paths that neighbours share or not, and with roulette from an edge on.
+/// A room seen from above, with paths that neighbours share or not, and with roulette from an edge on: the floor has a dark or a bright
+/// stripe in each column, and its light comes from the ceiling, half of it of metal, which a lamp lights from below.
 fn shared(rr_depth: u32, reuse: bool) -> Scene {
-    let mut description = room();
-    (description.film.width, description.film.height) = (SIDE, SIDE);
-    (description.integrator.rr_depth, description.integrator.reuse) = (rr_depth, reuse);
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let face = |centre, side, other, material| {
+        thing(ShapeSettings::Rectangle, rectangle_at(centre, side, other), material)
+    };
+    let stripe = |i: u32| {
+        let albedo = if i.is_multiple_of(2) { 0.1 } else { 0.9 };
+        face((f64::from(i) * 0.5 - 0.75) * x - y, z, 0.25 * x, diffuse(albedo))
+    };
+    let mut objects: Vec<_> = (0..SIDE).map(stripe).collect();
+    objects.extend([
+        face(y - 0.5 * x, 0.5 * x, z, diffuse(0.8)),
+        face(y + 0.5 * x, 0.5 * x, z, phong([0.0, 0.9], 20.0)),
+        face(-x, y, z, diffuse(0.8)),
+        face(x, z, y, diffuse(0.8)),
+        face(-z, x, y, diffuse(0.8)),
+        face(z, y, x, diffuse(0.8)),
+        lamp(ShapeSettings::Rectangle, rectangle_at(0.3 * y, 0.3 * z, 0.3 * x)),
+    ]);
+    let ball = ShapeSettings::Sphere { center: DVec3::new(0.3, -0.5, 0.2), radius: 0.25 };
+    objects.push(thing(ball, DAffine3::IDENTITY, diffuse(0.5)));
+    let integrator = IntegratorSettings { max_depth: Some(4), rr_depth, reuse, ..IntegratorSettings::PATH };
+    let mut description = spot(0.25 * y, -y, objects, integrator);
+    description.film = FilmSettings { width: SIDE, height: SIDE, ..description.film };
+    if let Projection::Perspective { fov, .. } = &mut description.camera.projection {
+        // As wide as the floor.
+        *fov = 2.0 * (1.0_f64 / 1.25).atan().to_degrees();
+    }
     built(&description)
 }
 
