@@ -8,6 +8,9 @@ The seconds are those of a render at 512 by 512, medians over rounds in which bo
 scene and Mitsuba's compilation aren't counted. Mitsuba (llvm_ad_rgb) has each of its samplers, and the one of least
 variance x seconds stands for it. Ours has one set of points a pixel (--replicates 1), as Mitsuba has, and gives pixels
 samples by their error (--allocate), the pilot's included, with the same mean number; with --even each has that number.
+Ours is rendered in three ways, with a line for each: as it is, with paths that neighbours share (--reuse), and with both
+branches at glass as well. Shared paths give neighbours errors in common, which the variance of a pixel doesn't see: the
+last column is the same ratio for means of blocks of 8 by 8 pixels.
 On a busy machine --clock cpu compares seconds of processor time, start-up taken off.
 
 Mitsuba needs LLVM's shared library: the file in DRJIT_LIBLLVM_PATH, or one that the system finds. The mesh is written by
@@ -34,6 +37,8 @@ import reference_image
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("direct", "cornell", "dof", "glass", "mesh")
 SAMPLERS = ("independent", "stratified", "multijitter", "ldsampler")
+WAYS = {"alone": [], "reuse": ["--reuse"], "reuse+both": ["--reuse", "--branch=both"]}
+BLOCK = 8
 
 
 def find_llvm():
@@ -52,6 +57,14 @@ def processor_seconds(who):
     return usage.ru_utime + usage.ru_stime
 
 
+def variances(images):
+    """Of a pixel's value over images, the mean of pixels and channels; and of the means of blocks of pixels."""
+    images = np.array(images)
+    count, height, width, channels = images.shape
+    blocks = images.reshape(count, height // BLOCK, BLOCK, width // BLOCK, BLOCK, channels).mean(axis=(2, 4))
+    return [float(values.var(axis=0, ddof=1).mean()) for values in (images, blocks)]
+
+
 class Mitsuba:
     """Renders of one scene by Mitsuba with one sampler."""
 
@@ -67,9 +80,9 @@ class Mitsuba:
         """The image of a seed in f64."""
         return np.array(self.mi.render(self.scenes[res], spp=self.spp, seed=seed), dtype=np.float64)[:, :, :3]
 
-    def variance(self, seeds):
-        """Of a pixel's value over seeds, the mean of pixels and channels."""
-        return float(np.var([self.image(128, seed) for seed in range(seeds)], axis=0, ddof=1).mean())
+    def variances(self, seeds):
+        """Of a pixel, and of a block's mean."""
+        return variances([self.image(128, seed) for seed in range(seeds)])
 
     def seconds(self, seed):
         """Of the clock and of processor time for a render at 512 by 512."""
@@ -81,9 +94,9 @@ class Mitsuba:
 class Lightproof:
     """Renders of one scene by the program of this repository."""
 
-    def __init__(self, scene, options):
+    def __init__(self, scene, way, options):
         self.command = [options.program, "render", str(options.path(scene)), "--replicates=1", "--sampler=sobol"]
-        self.more = [] if options.even else ["--allocate"]
+        self.more = WAYS[way] + ([] if options.even else ["--allocate"])
         self.command += [f"-D{name}={value}" for name, value in options.parameters(scene).items()]
         self.spp = options.spp
         with tempfile.TemporaryDirectory() as folder:
@@ -107,9 +120,9 @@ class Lightproof:
             _, channels = reference_image.read_exr(Path(folder) / "ours.exr")
         return np.stack([channels[c] for c in "RGB"], axis=2).astype(np.float64)
 
-    def variance(self, seeds):
-        """Of a pixel's value over seeds, the mean of pixels and channels."""
-        return float(np.var([self.image(seed) for seed in range(seeds)], axis=0, ddof=1).mean())
+    def variances(self, seeds):
+        """Of a pixel, and of a block's mean."""
+        return variances([self.image(seed) for seed in range(seeds)])
 
     def seconds(self, seed):
         """Of the clock and of processor time for a render at 512 by 512."""
@@ -119,21 +132,25 @@ class Lightproof:
 
 
 def compare(scene, options):
-    """The table's line of a scene: Mitsuba's best sampler and ours, in one run."""
-    ours = Lightproof(scene, options)
+    """The table's lines of a scene: Mitsuba's best sampler beside each of our ways, in one run."""
+    ours = {way: Lightproof(scene, way, options) for way in options.ways}
     theirs = {sampler: Mitsuba(scene, sampler, options) for sampler in options.samplers}
-    seconds = {name: [] for name in ["ours", *theirs]}
+    everyone = [*ours.items(), *theirs.items()]
+    seconds = {name: [] for name, _ in everyone}
     clock = 0 if options.clock == "wall" else 1
     for k in range(options.rounds):
-        for name, renderer in [("ours", ours), *theirs.items()]:
+        for name, renderer in everyone:
             seconds[name].append(renderer.seconds(k)[clock])
-    products = {name: (renderer.variance(options.seeds), statistics.median(seconds[name]))
-                for name, renderer in [("ours", ours), *theirs.items()]}
-    best = min(theirs, key=lambda name: products[name][0] * products[name][1])
-    (variance, time_), (their_variance, their_time) = products["ours"], products[best]
-    ratio = their_variance * their_time / (variance * time_)
-    return (f"| {scene} | {best} | {their_variance:.2e} x {their_time:.2f} s = {their_variance * their_time:.2e} "
-            f"| {variance:.2e} x {time_:.2f} s = {variance * time_:.2e} | {ratio:.2f} |")
+    seconds = {name: statistics.median(rounds) for name, rounds in seconds.items()}
+    variance = {name: renderer.variances(options.seeds) for name, renderer in everyone}
+    best = min(theirs, key=lambda name: variance[name][0] * seconds[name])
+    product = {name: f"{variance[name][0]:.2e} x {seconds[name]:.2f} s" for name, _ in everyone}
+
+    def line(way):
+        better = [variance[best][i] * seconds[best] / (variance[way][i] * seconds[way]) for i in (0, 1)]
+        return f"| {scene} | {best} | {product[best]} | {way} | {product[way]} | {better[0]:.2f} | {better[1]:.2f} |"
+
+    return "\n".join(map(line, ours))
 
 
 class Options(argparse.Namespace):
@@ -155,6 +172,7 @@ def parse(arguments):
     parser.add_argument("--program", default=str(ROOT / "target" / "release" / "lightproof"))
     parser.add_argument("--mesh", default=str(ROOT / "target" / "tmp" / "mesh.ply"), help="the mesh of the scene mesh")
     parser.add_argument("--samplers", nargs="+", default=SAMPLERS, choices=SAMPLERS, help="Mitsuba's")
+    parser.add_argument("--ways", nargs="+", default=tuple(WAYS), choices=tuple(WAYS), help="ours")
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--rounds", type=int, default=3)
@@ -185,8 +203,9 @@ def main(arguments=None):
     mi.set_log_level(mi.LogLevel.Error)
     if options.threads:
         drjit.set_thread_count(options.threads)
-    print(f"| scene | Mitsuba's sampler | Mitsuba {mi.__version__}: variance x {options.clock} | ours | better by |")
-    print("|---|---|---|---|---|", flush=True)
+    theirs = f"Mitsuba {mi.__version__}: variance x {options.clock}"
+    print(f"| scene | Mitsuba's sampler | {theirs} | our way | ours | better by | blocks |")
+    print("|---|---|---|---|---|---|---|", flush=True)
     for scene in options.scenes:
         print(compare(scene, options), flush=True)
     return 0

@@ -149,7 +149,8 @@ impl Cube {
         t.map(|t| ShapeHit { t, uv: [0.0; 2] })
     }
 
-    #[inline]
+    // Of its own, so that the shapes that come with it stay short.
+    #[inline(never)]
     pub(super) fn intersect_eight(&self, rays: &EightRays) -> EightHits {
         let [enter, leave] = Self::span(self.crossings(rays.origin, rays.direction));
         let through = enter.simd_le(leave).to_bitmask();
