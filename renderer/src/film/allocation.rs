@@ -1,5 +1,7 @@
 //! Which pixels get how many of an image's samples.
 
+use rayon::prelude::*;
+
 use super::part::Part;
 
 /// Share of the samples that pixels get alike, whatever the pilot says of them.
@@ -10,7 +12,7 @@ const EVEN: f64 = 0.05;
 const EXPONENT: f64 = 0.9;
 
 /// How far to each side a pixel's error is looked for, in pixels.
-const REACH: usize = 6;
+const REACH: isize = 4;
 
 /// Most samples of a pixel, in units of the mean.
 const MOST: f64 = 64.0;
@@ -53,11 +55,13 @@ pub struct Pilot {
 pub fn by_error([width, height]: [u32; 2], variances: &[f64], least: u32, samples: u32) -> Vec<u32> {
     let size = [width as usize, height as usize];
     let errors: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
+    let taps = taps();
     let mut counts = vec![samples; variances.len()];
     for colour in 0..2 {
         let of_colour = |&place: &usize| (place % size[0] + place / size[0]) % 2 == colour;
         let places: Vec<usize> = (0..counts.len()).filter(of_colour).collect();
-        let around: Vec<f64> = places.iter().map(|&place| error_around(size, &errors, place)).collect();
+        let around: Vec<f64> =
+            places.par_iter().map(|&place| error_around(size, &errors, &taps, place)).collect();
         for (place, count) in places.into_iter().zip(in_proportion(&around, least, samples)) {
             counts[place] = count;
         }
@@ -65,19 +69,33 @@ pub fn by_error([width, height]: [u32; 2], variances: &[f64], least: u32, sample
     counts
 }
 
-/// The mean of the errors of pixels of the other colour, at the distance r with the weight (1 + r²)^(−3/2).
-fn error_around([width, height]: [usize; 2], errors: &[f64], place: usize) -> f64 {
+/// A pixel of the other colour nearby.
+struct Tap {
+    /// Columns and rows to it.
+    step: [isize; 2],
+    weight: f64,
+}
+
+/// Pixels around one, at the distance r with the weight (1 + r²)^(−3/2).
+fn taps() -> Vec<Tap> {
+    let tap = |[x, y]: [isize; 2]| {
+        let squared = 1.0 + (x * x + y * y) as f64;
+        Tap { step: [x, y], weight: 1.0 / (squared * squared.sqrt()) }
+    };
+    let steps = (-REACH..=REACH).flat_map(|y| (-REACH..=REACH).map(move |x| [x, y]));
+    steps.filter(|[x, y]| (x + y) % 2 != 0).map(tap).collect()
+}
+
+/// The weighted mean of the errors of a pixel's neighbours within the image.
+fn error_around([width, height]: [usize; 2], errors: &[f64], taps: &[Tap], place: usize) -> f64 {
     let (x, y) = (place % width, place / width);
     let (mut sum, mut weights) = (0.0, 0.0);
-    for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
-        for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-            let [across, down] = [column.abs_diff(x), row.abs_diff(y)];
-            if (across + down) % 2 == 1 {
-                let squared = 1.0 + (across * across + down * down) as f64;
-                let weight = 1.0 / (squared * squared.sqrt());
-                sum += weight * errors[row * width + column];
-                weights += weight;
-            }
+    for Tap { step: [across, down], weight } in taps {
+        // A step beyond the left or upper side wraps to a number beyond the other one.
+        let (column, row) = (x.wrapping_add_signed(*across), y.wrapping_add_signed(*down));
+        if column < width && row < height {
+            sum += weight * errors[row * width + column];
+            weights += weight;
         }
     }
     if weights > 0.0 { sum / weights } else { 0.0 }
@@ -85,14 +103,14 @@ fn error_around([width, height]: [usize; 2], errors: &[f64], place: usize) -> f6
 
 /// Powers of two from `least` on, nearly in proportion to powers of `errors`; their mean is at most `samples`.
 fn in_proportion(errors: &[f64], least: u32, samples: u32) -> Vec<u32> {
-    let needs: Vec<f64> = errors.iter().map(|error| libm::pow(*error, EXPONENT)).collect();
+    let needs: Vec<f64> = errors.par_iter().map(|error| libm::pow(*error, EXPONENT)).collect();
     let mean = needs.iter().sum::<f64>() / needs.len() as f64;
     let share = |need: &f64| if mean > 0.0 { EVEN + (1.0 - EVEN) * need / mean } else { 1.0 };
     // The logarithm of a pixel's share, so that powers of two near it are a rounding away.
-    let logs: Vec<f64> = needs.iter().map(|need| libm::log2(share(need).min(MOST))).collect();
+    let logs: Vec<f64> = needs.par_iter().map(|need| libm::log2(share(need).min(MOST))).collect();
     let budget = u64::from(samples) * logs.len() as u64;
     let count = |log: f64| power(log).max(least);
-    let fits = |factor: f64| logs.iter().map(|log| u64::from(count(log + factor))).sum::<u64>() <= budget;
+    let fits = |factor: f64| logs.par_iter().map(|log| u64::from(count(log + factor))).sum::<u64>() <= budget;
     // Between one sample for those with most, and more than the mean for those with least.
     let [mut low, mut high] = [-libm::log2(MOST) - 1.0, libm::log2(f64::from(samples) / EVEN) + 1.0];
     for _ in 0..HALVINGS {

@@ -161,10 +161,15 @@ impl FilterSampler {
     ///
     /// # Measure
     /// per pixel width.
+    #[inline]
     pub fn sample(&self, u: f32) -> (f32, f32) {
         if let Filter::Box { radius } = self.filter {
             return (spread(u, radius), 1.0);
         }
+        self.by_table(u)
+    }
+
+    fn by_table(&self, u: f32) -> (f32, f32) {
         let u = f64::from(u);
         let cell = self.cdf.partition_point(|&c| c <= u).clamp(1, self.cdf.len() - 1) - 1;
         let width = self.knots[cell + 1] - self.knots[cell];

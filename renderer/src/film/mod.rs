@@ -138,6 +138,7 @@ impl Film {
     /// Where the point `u` of the pixel decision lands for `pixel` of the whole film, and the weight of the sample there.
     ///
     /// Returns: the position in pixels from the upper left corner of the whole film, and w.
+    #[inline]
     pub fn place(&self, pixel: [u32; 2], u: [f32; 2]) -> ([f64; 2], f32) {
         let [(x, wx), (y, wy)] = match self.reconstruction {
             Reconstruction::Importance => u.map(|u| self.filter.sample(u)),
@@ -148,6 +149,7 @@ impl Film {
     }
 
     /// A position in pixels as a point of the whole film, [−1, 1]², rightwards and downwards.
+    #[inline]
     pub fn to_image(&self, position: [f64; 2]) -> [f32; 2] {
         #[expect(clippy::cast_possible_truncation, reason = "points of the film are of order 1")]
         let to_unit = |x: f64, size: u32| (2.0 * x / f64::from(size) - 1.0) as f32;

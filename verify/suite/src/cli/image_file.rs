@@ -65,7 +65,7 @@ fn summarise(rendering: &Rendering, shared_by: u32, output: &Path, time: Duratio
     };
     let (mean, seconds) = (sum / count, time.as_secs_f64());
     let mut err = stderr();
-    writeln!(err, "{}: mean {mean:.6}{error}, {seconds:.1} s", output.display())?;
+    writeln!(err, "{}: mean {mean:.6}{error}, {seconds:.2} s", output.display())?;
     if rendering.dropped > 0 {
         writeln!(err, "note: {} contributions were not finite and are left out", rendering.dropped)?;
     }
