@@ -46,7 +46,7 @@ impl Few {
     ) {
         let mut lanes = Lanes::new(rays);
         for (search, ray) in searches.iter_mut().zip(rays) {
-            *search = Search::new(ray);
+            search.restart(ray);
         }
         let mut walking = ALL >> (RAYS - rays.len());
         for leaf in &self.0 {

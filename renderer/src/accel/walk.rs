@@ -131,6 +131,16 @@ impl Search {
         Self { ray: *ray, probe: None, sheared: None, best: None, is_blocked: false }
     }
 
+    /// Begins anew with another ray, in place: a copy would wait for what has just been written.
+    #[inline]
+    pub(super) fn restart(&mut self, ray: &Ray) {
+        self.ray = *ray;
+        self.probe = None;
+        self.sheared = None;
+        self.best = None;
+        self.is_blocked = false;
+    }
+
     /// Whether it has hit anything, asked if that is the question.
     pub(super) fn is_blocked(&self) -> bool {
         self.is_blocked
