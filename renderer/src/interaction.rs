@@ -8,7 +8,7 @@ use crate::math::eight::{self, Eight, Vec3x8, next_up};
 use crate::ray::Ray;
 
 /// A point on a surface in the render frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SurfacePoint {
     /// Where it is.
     pub point: Vec3,
@@ -176,7 +176,7 @@ fn round_down(t: f64) -> f32 {
 }
 
 /// Where a ray met the scene, as materials and lights see it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Interaction {
     /// The point and its normals.
     pub surface: SurfacePoint,

@@ -42,7 +42,7 @@ pub struct EightRays {
 }
 
 /// Where a ray met the scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Hit {
     /// Distance along the ray.
     pub t: f32,

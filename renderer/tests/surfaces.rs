@@ -86,7 +86,9 @@ fn comes_back(object: &Object, at: &SurfacePoint, wi: Vec3, time: f32) -> bool {
         // Out of a cube it meets nothing more, and through one another face.
         Shape::Cube(c) => {
             let is_outward = (at.ng.dot(wi) > 0.0) != c.is_flipped();
-            return is_outward || object.surface(0, &hit, &at.spawn(wi, time)).ng == at.ng;
+            let mut there = SurfacePoint::default();
+            object.put_surface(0, &hit, &at.spawn(wi, time), &mut there);
+            return is_outward || there.ng == at.ng;
         }
         Shape::Sphere(s) => (s.radius(), s.is_flipped()),
         Shape::Cylinder(c) => (c.radius(), c.is_flipped()),

@@ -132,16 +132,26 @@ impl Accel {
     }
 
     /// The surface at a hit that `closest` found for `ray`.
-    #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
+        let mut interaction = Interaction::default();
+        self.put_interaction(ray, hit, &mut interaction);
+        interaction
+    }
+
+    /// Writes the surface at a hit that `closest` found for `ray` to where it stays.
+    #[inline]
+    pub fn put_interaction(&self, ray: &Ray, hit: &Hit, interaction: &mut Interaction) {
         debug_assert!(
             (self.shutter[0]..=self.shutter[1]).contains(&f64::from(ray.time))
                 || self.objects.iter().all(|o| o.motion.is_none()),
             "moving objects are bounded only while the shutter is open"
         );
         let object = &self.objects[hit.object as usize];
-        let surface = object.surface(hit.element, &ShapeHit { t: hit.t, uv: hit.uv }, ray);
-        Interaction { surface, wo: -ray.direction, time: ray.time, object: hit.object }
+        let at = ShapeHit { t: hit.t, uv: hit.uv };
+        object.put_surface(hit.element, &at, ray, &mut interaction.surface);
+        interaction.wo = -ray.direction;
+        interaction.time = ray.time;
+        interaction.object = hit.object;
     }
 }
 

@@ -43,14 +43,14 @@ impl Object {
         }
     }
 
-    /// The surface in the render frame at a hit of `ray`.
+    /// Writes the surface in the render frame at a hit of `ray` to where it stays.
     #[inline]
-    pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
+    pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray, surface: &mut SurfacePoint) {
         match &self.motion {
-            None => self.shape.surface(element, hit, ray),
+            None => self.shape.put_surface(element, hit, ray, surface),
             Some(motion) => {
                 let pose = motion.pose(f64::from(ray.time));
-                moved(&self.shape.surface(element, hit, &to_own(&pose, ray)), &pose)
+                *surface = moved(&self.shape.surface(element, hit, &to_own(&pose, ray)), &pose);
             }
         }
     }

@@ -205,7 +205,7 @@ impl Search {
     }
 
     /// Keeps a hit before the ray's `t_max` if it comes before the best one.
-    #[inline]
+    #[inline(always)]
     fn take(&mut self, group: &Group, found: Found) {
         if let Some(best) = &self.best
             && best.t() == found.t()

@@ -70,7 +70,7 @@ impl Path {
 }
 
 /// A path's hit, ready for shading.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Surface {
     /// Index of the path in the batch.
     pub path: u32,

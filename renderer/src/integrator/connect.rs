@@ -126,14 +126,18 @@ impl Connector<'_> {
         let weighed = !(samples.delta || self.strategy == Strategy::Light);
         let contributions = matte.contributions(&samples, pmf, weighed && !self.alone);
         for (lane, surface) in surfaces.iter().enumerate() {
-            let Some(sample) = samples.get(lane, surface.interaction.time) else { continue };
-            let contribution = if matte.is_matte >> lane & 1 == 1 {
-                Rgb::from(contributions.get(lane).to_array())
-            } else {
-                self.general(surface, &sample, pmf.as_array()[lane], weighed)
-            };
-            if !contribution.is_black() {
-                connect(lane, contribution, sample.shadow_ray);
+            let time = surface.interaction.time;
+            // Each kind connects for itself: what it gives stays in registers.
+            if matte.is_matte >> lane & 1 == 1 {
+                let contribution = Rgb::from(contributions.get(lane));
+                if let (false, Some(ray)) = (contribution.is_black(), samples.shadow_ray(lane, time)) {
+                    connect(lane, contribution, ray);
+                }
+            } else if let Some(sample) = samples.get(lane, time) {
+                let contribution = self.general(surface, &sample, pmf.as_array()[lane], weighed);
+                if !contribution.is_black() {
+                    connect(lane, contribution, sample.shadow_ray);
+                }
             }
         }
     }

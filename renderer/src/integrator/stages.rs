@@ -53,23 +53,23 @@ pub fn lens_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
 pub fn camera_rays(scene: &Scene, batch: &mut Batch) {
     let (has_lens, meter) = (scene.camera.has_lens(), scene.meter);
     let throughput = if meter.is_some() { Rgb::splat(Meter::WEIGHT) } else { Rgb::WHITE };
-    for (index, sample) in (0..).zip(&batch.samples) {
-        let p = scene.film.to_image(sample.position);
-        let ray = if let Some(meter) = meter {
-            meter.ray(scene, p, sample.lens, sample.time)
-        } else if has_lens {
-            scene.camera.lens_ray(p, sample.lens, sample.time)
-        } else {
-            scene.camera.ray(p, sample.time)
-        };
-        batch.paths.push(Path {
-            sample: index,
-            vertex: Vertex::default(),
-            ray,
-            throughput,
-            eta_scale: 1.0,
-            pdf: None,
-        });
+    let Batch { samples, paths, .. } = batch;
+    let start = |(sample, ray)| Path {
+        sample,
+        vertex: Vertex::default(),
+        ray,
+        throughput,
+        eta_scale: 1.0,
+        pdf: None,
+    };
+    let all = (0..).zip(samples.iter().map(|sample| (sample, scene.film.to_image(sample.position))));
+    // A loop for each kind, which makes its rays where they stay.
+    if let Some(meter) = meter {
+        paths.extend(all.map(|(i, (s, p))| (i, meter.ray(scene, p, s.lens, s.time))).map(start));
+    } else if has_lens {
+        paths.extend(all.map(|(i, (s, p))| (i, scene.camera.lens_ray(p, s.lens, s.time))).map(start));
+    } else {
+        paths.extend(all.map(|(i, (s, p))| (i, scene.camera.ray(p, s.time))).map(start));
     }
 }
 
@@ -82,12 +82,13 @@ pub fn closest_hits(scene: &Scene, batch: &mut Batch) {
 
 /// The surfaces that were hit.
 pub fn surfaces(scene: &Scene, batch: &mut Batch) {
-    batch.surfaces.clear();
-    for (index, (path, hit)) in (0..).zip(batch.paths.iter().zip(&batch.hits)) {
-        if let Some(hit) = hit {
-            let interaction = scene.accel.interaction(&path.ray, hit);
-            batch.surfaces.push(Surface { path: index, hit: *hit, interaction });
-        }
+    let Batch { surfaces, paths, hits, .. } = batch;
+    let met =
+        (0..).zip(paths.iter().zip(&*hits)).filter_map(|(index, (path, hit))| Some((index, path, (*hit)?)));
+    surfaces.resize(hits.iter().flatten().count(), Surface::default());
+    for (surface, (index, path, hit)) in surfaces.iter_mut().zip(met) {
+        (surface.path, surface.hit) = (index, hit);
+        scene.accel.put_interaction(&path.ray, &hit, &mut surface.interaction);
     }
 }
 

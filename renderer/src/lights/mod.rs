@@ -116,13 +116,19 @@ impl EightLightSamples {
         }
     }
 
+    /// The shadow ray in a lane below 8, at `time`.
+    #[inline]
+    pub fn shadow_ray(&self, lane: usize, time: f32) -> Option<Ray> {
+        (self.seen >> lane & 1 == 1).then(|| self.shadow.get(lane, time))
+    }
+
     /// The sample in a lane below 8, at `time`.
     #[inline]
     pub fn get(&self, lane: usize, time: f32) -> Option<LightSample> {
         (self.seen >> lane & 1 == 1).then(|| LightSample {
             wi: self.wi.get(lane),
             shadow_ray: self.shadow.get(lane, time),
-            radiance: Rgb::from(self.radiance.get(lane).to_array()),
+            radiance: self.radiance.get(lane).into(),
             pdf: self.pdf.as_array()[lane],
             delta: self.delta,
         })

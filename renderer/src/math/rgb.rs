@@ -2,6 +2,8 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
+use glam::Vec3;
+
 /// A linear sRGB triple: a reflectance (dimensionless), a radiance [W m⁻² sr⁻¹] or a path's throughput.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Rgb {
@@ -71,6 +73,12 @@ impl Rgb {
 impl From<[f32; 3]> for Rgb {
     fn from([r, g, b]: [f32; 3]) -> Self {
         Self::new(r, g, b)
+    }
+}
+
+impl From<Vec3> for Rgb {
+    fn from(Vec3 { x, y, z }: Vec3) -> Self {
+        Self::new(x, y, z)
     }
 }
 

@@ -161,6 +161,7 @@ impl Cube {
     }
 
     /// Texture coordinates run over [0, 1]² on each face.
+    #[inline]
     pub(super) fn surface(&self, ray: &Ray) -> SurfacePoint {
         let crossings = self.crossings_of(ray);
         let span = Self::span(crossings);

@@ -105,6 +105,7 @@ impl Cylinder {
 
     /// Solves again, because the f32 distance is coarser than the surface, and from far away coarser than the cylinder: it does not
     /// tell which side was met.
+    #[inline]
     pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
         let exact = self.met(ray).unwrap_or(f64::from(t));
         let (across, height) =

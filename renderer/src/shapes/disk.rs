@@ -51,6 +51,7 @@ impl Disk {
     }
 
     /// Texture coordinates are the radius and the turn from the x axis.
+    #[inline]
     pub(super) fn surface(&self, [x, y]: [f32; 2]) -> SurfacePoint {
         let coordinates = || [(x * x + y * y).sqrt().min(1.0), turn(f64::from(y), f64::from(x))];
         self.plane.surface([x, y], if self.mapped { coordinates() } else { [0.0; 2] })

@@ -96,6 +96,7 @@ impl Mesh {
     ///
     /// The geometric normal is on the side of the interpolated one, whichever way round the corners go; without vertex
     /// normals they go counter-clockwise around it. Texture coordinates are the weights where the mesh has none.
+    #[inline]
     pub(super) fn surface(&self, triangle: u32, weights: [f32; 2]) -> SurfacePoint {
         self.surface_at(triangle, weights.map(f64::from))
     }

@@ -8,13 +8,14 @@ mod mesh;
 mod plane;
 mod quadratic;
 mod rectangle;
+mod rounding;
 mod sphere;
 pub mod triangle;
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use wide::{f32x8, f64x8};
+use wide::f32x8;
 
 pub use cube::Cube;
 pub use cylinder::Cylinder;
@@ -23,10 +24,11 @@ pub use mesh::{Mesh, MeshData};
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 
+use rounding::{accept, accept_eight, rounded, rounded_curved, rounded_eight};
+
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::math::eight::{self, DVec3x8, Vec3x8};
 use crate::math::transform::check_affine;
 use crate::ray::{EightRays, Ray};
 
@@ -204,15 +206,22 @@ impl Shape {
     }
 
     /// The surface at a hit that `intersect` found with the same ray.
-    #[inline]
     pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
+        let mut surface = SurfacePoint::default();
+        self.put_surface(element, hit, ray, &mut surface);
+        surface
+    }
+
+    /// Writes the surface at a hit to where it stays: a copy would wait for what has just been written.
+    #[inline]
+    pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray, surface: &mut SurfacePoint) {
         match self {
-            Self::Sphere(s) => s.surface(ray, hit.t),
-            Self::Rectangle(r) => r.surface(hit.uv),
-            Self::Disk(d) => d.surface(hit.uv),
-            Self::Cylinder(c) => c.surface(ray, hit.t),
-            Self::Cube(c) => c.surface(ray),
-            Self::Mesh(m) => m.surface(element, hit.uv),
+            Self::Sphere(s) => *surface = s.surface(ray, hit.t),
+            Self::Rectangle(r) => *surface = r.surface(hit.uv),
+            Self::Disk(d) => *surface = d.surface(hit.uv),
+            Self::Cylinder(c) => *surface = c.surface(ray, hit.t),
+            Self::Cube(c) => *surface = c.surface(ray),
+            Self::Mesh(m) => *surface = m.surface(element, hit.uv),
         }
     }
 
@@ -346,52 +355,6 @@ fn check_point(name: &'static str, p: DVec3) -> Result<(), ParamError> {
         Some(value) => Err(ParamError::NotFinite { name, value }),
         None => Ok(()),
     }
-}
-
-/// Rounds an f64 point to f32 with the bound on its distance from the surface: half a unit in the last place of each
-/// coordinate, and `extent` · 2⁻⁴⁶ for the f64 roundings of this evaluation and of the intersection (each has fewer
-/// than a hundred, within 2⁻⁵³ of `extent`, the size of the numbers that went in).
-#[inline]
-#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is what the bound accounts for")]
-fn rounded(p: DVec3, extent: f64) -> (glam::Vec3, glam::Vec3) {
-    let point = p.as_vec3();
-    let small = (extent * 2f64.powi(-46)) as f32;
-    let half_ulp = point.abs().map(|c| c * (0.5 * f32::EPSILON) + f32::MIN_POSITIVE);
-    (point, half_ulp + small)
-}
-
-/// `rounded` of eight points, bit for bit.
-#[inline]
-#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is what the bound accounts for")]
-fn rounded_eight(p: DVec3x8, extent: f64) -> (Vec3x8, Vec3x8) {
-    let point = p.rounded();
-    let small = (extent * 2f64.powi(-46)) as f32;
-    (point, point.map(|c| c.abs() * (0.5 * f32::EPSILON) + f32::MIN_POSITIVE + small))
-}
-
-/// What `rounded` gives for a surface of radius of curvature `radius`, of the size `extent`.
-///
-/// A step of e along the tangent leaves such a surface by e²/2r. The rounding of the point and the one of the start of a
-/// ray from it (a whole unit in the last place) make e at most three times the length of the half units. It matters on the
-/// inner side only, where a step of r is the last that can help: a body smaller than its rounding has no inside to start from.
-#[expect(clippy::cast_possible_truncation, reason = "a bound, rounded far below its slack")]
-fn rounded_curved(p: DVec3, extent: f64, radius: f64) -> (glam::Vec3, glam::Vec3) {
-    let (point, error) = rounded(p, extent);
-    (point, error + (4.5 * error.as_dvec3().length_squared() / radius).min(radius) as f32)
-}
-
-/// A distance as f32, if it rounds to a number in (0, `t_max`).
-#[expect(clippy::cast_possible_truncation, reason = "rounded first, compared after")]
-fn accept(t: f64, t_max: f32) -> Option<f32> {
-    let t = t as f32;
-    (t > 0.0 && t < t_max).then_some(t)
-}
-
-/// What `accept` says of eight distances: the lanes of those accepted, as bits, and all of them as f32.
-#[inline]
-fn accept_eight(t: f64x8, t_max: f32x8) -> (u32, f32x8) {
-    let t = eight::rounded(t);
-    ((t.simd_gt(f32x8::ZERO) & t.simd_lt(t_max)).to_bitmask(), t)
 }
 
 /// Texture coordinate of an angle: `atan2(y, x)` / 2π in [0, 1).

@@ -103,6 +103,7 @@ impl Sphere {
 
     /// Solves again, because the f32 distance is coarser than the surface, and from far away coarser than the sphere: it does not
     /// tell which side was met.
+    #[inline]
     pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
         let exact = self.met(ray).unwrap_or(f64::from(t));
         let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * exact;
