@@ -282,7 +282,7 @@ impl<I: Integrator> Finish<'_, I> {
         let length = if group.len() == 1 { BATCH } else { BATCH / reuse::MATES };
         let cut = move |replicate| {
             let starts = (start..end).step_by(length as usize);
-            starts.map(move |a| Unit { group, replicate, indices: [a, end.min(a + length)] })
+            starts.map(move |a| Unit { group, replicate, indices: [a, end.min(a.saturating_add(length))] })
         };
         (0..self.settings.replicates).flat_map(cut)
     }
