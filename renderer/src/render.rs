@@ -263,19 +263,7 @@ impl<I: Integrator> Finish<'_, I> {
         TileSums::new(&begun.sums, shares.fold(0.0, f64::max), begun.dropped)
     }
 
-    /// Pixels of a tile that share samples, or each for itself, with the indices of their samples.
-    fn groups(&self, tile: &Tile, range_of: impl Fn([u32; 2]) -> [u32; 2]) -> Vec<Vec<Indices>> {
-        let film = &self.scene.film;
-        let mut pixels: Vec<Indices> =
-            tile.pixels().map(|pixel| Indices { pixel: film.pixel(pixel), range: range_of(pixel) }).collect();
-        if !self.integrator.reuses(self.scene) {
-            return pixels.into_iter().map(|pixel| vec![pixel]).collect();
-        }
-        pixels.sort_by_key(|of| reuse::group(of.pixel));
-        pixels.chunk_by(|a, b| reuse::group(a.pixel) == reuse::group(b.pixel)).map(<[_]>::to_vec).collect()
-    }
-
-    /// The samples of a group, in units that travel together.
+    /// The samples of pixels that share, or of one, in units that travel together.
     fn units<'a>(&self, group: &'a [Indices]) -> impl Iterator<Item = Unit<'a>> + use<'a, I> {
         let start = group.iter().map(|of| of.range[0]).min().unwrap_or(0);
         let end = group.iter().map(|of| of.range[1]).max().unwrap_or(0);
@@ -299,8 +287,14 @@ impl<I: Integrator> Finish<'_, I> {
         mut seen: impl FnMut(&[Sample]),
     ) {
         let film = &self.scene.film;
-        let groups = self.groups(tile, range_of);
-        let mut units = groups.iter().flat_map(|group| self.units(group)).peekable();
+        let reuses = self.integrator.reuses(self.scene);
+        let indices = |pixel| Indices { pixel: film.pixel(pixel), range: range_of(pixel) };
+        let mut pixels: Vec<Indices> = tile.pixels().map(indices).collect();
+        if reuses {
+            pixels.sort_by_key(|of| reuse::group(of.pixel));
+        }
+        let share = |a: &Indices, b: &Indices| reuses && reuse::group(a.pixel) == reuse::group(b.pixel);
+        let mut units = pixels.chunk_by(share).flat_map(|group| self.units(group)).peekable();
         let mut batch = Batch::default();
         let mut summed = Vec::new();
         while let Some(unit) = units.next() {

@@ -1,5 +1,7 @@
 //! The fourth idea: every number is an estimate.
 
+use smallvec::SmallVec;
+
 use super::Reconstruction;
 use crate::math::Rgb;
 
@@ -13,13 +15,13 @@ struct TreeSum {
     start: u64,
     end: u64,
     /// Levels and sums of complete nodes, in the order of their indices.
-    nodes: Vec<(u32, [f64; 4])>,
+    nodes: SmallVec<[(u32, [f64; 4]); 4]>,
 }
 
 impl TreeSum {
     /// Nothing yet, before the value of index `start`.
     fn new(start: u64) -> Self {
-        Self { start, end: start, nodes: Vec::new() }
+        Self { start, end: start, nodes: SmallVec::new() }
     }
 
     /// Adds a node of 2^`level` values that follow on those here, and joins what makes up larger nodes.
