@@ -205,6 +205,7 @@ impl Search {
     }
 
     /// Keeps a hit before the ray's `t_max` if it comes before the best one.
+    // Always inlined: a hit handed over in memory would be copied before it is there.
     #[inline(always)]
     fn take(&mut self, group: &Group, found: Found) {
         if let Some(best) = &self.best

@@ -86,10 +86,11 @@ impl<I: Integrator> Finish<'_, I> {
                 variances[y as usize * film[0] as usize + x as usize] = *variance;
             }
         }
-        let counts = allocation::by_error(film, &variances, count, self.settings.samples);
+        let samples = self.settings.samples;
+        let counts = self.settings.on_threads(|| allocation::by_error(film, &variances, count, samples))?;
         let part = part.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         let pilot = Pilot { part, largest: found.into_iter().map(|tile| tile.largest).collect() };
-        Part::allocated(film, replicates, self.settings.samples, Allocation { counts, pilot: Some(pilot) })
+        Part::allocated(film, replicates, samples, Allocation { counts, pilot: Some(pilot) })
     }
 
     /// Puts a tile of the pilot into `part`.

@@ -5,6 +5,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use glam::{DAffine3, DMat3, DVec3};
 use wide::{f32x8, f64x8};
 
+use super::mesh::choose;
 use super::plane::Plane;
 use super::{EightHits, MeshData, ShapeHit, accept};
 use crate::interaction::SurfacePoint;
@@ -39,6 +40,8 @@ pub struct Cube {
     axes: [DVec3; 3],
     slabs: [Slab; 3],
     faces: [Plane; 6],
+    /// The areas of all faces up to and with each.
+    areas: [f64; 6],
     is_flipped: bool,
 }
 
@@ -103,7 +106,12 @@ impl Cube {
         // Rays are tested around the middle: every face has the roundings of the largest.
         let extent = faces.iter().map(|face| face.extent).fold(0.0, f64::max);
         faces.iter_mut().for_each(|face| face.extent = extent);
-        Self { center, axes, slabs: [0, 1, 2].map(slab), faces, is_flipped: flip }
+        let mut area = 0.0;
+        let areas = faces.each_ref().map(|face| {
+            area += 4.0 * face.jacobian();
+            area
+        });
+        Self { center, axes, slabs: [0, 1, 2].map(slab), faces, areas, is_flipped: flip }
     }
 
     /// Whether normals point inward.
@@ -182,22 +190,13 @@ impl Cube {
     }
 
     pub(super) fn area(&self) -> f64 {
-        self.faces.iter().map(|face| 4.0 * face.jacobian()).sum()
+        self.areas[5]
     }
 
     pub(super) fn sample_area(&self, [u, v]: [f32; 2]) -> SurfacePoint {
-        let mut left = f64::from(u) * self.area();
-        let mut chosen = (&self.faces[0], 0.0);
-        for face in &self.faces {
-            let area = 4.0 * face.jacobian();
-            chosen = (face, (left / area).min(1.0));
-            if left < area {
-                break;
-            }
-            left -= area;
-        }
-        let (face, place) = (chosen.0, [chosen.1, f64::from(v)]);
-        face.surface_at(place.map(|x| 2.0 * x - 1.0), place.map(round_f32))
+        let (chosen, along) = choose(&self.areas, u);
+        let place = [along, f64::from(v)];
+        self.faces[chosen as usize].surface_at(place.map(|x| 2.0 * x - 1.0), place.map(round_f32))
     }
 }
 

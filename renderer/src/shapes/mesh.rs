@@ -218,7 +218,7 @@ const FEW: usize = 8;
 ///
 /// # Precision, limits
 /// The number has 24 bits, so with T equal parts the place within one has 24 − log₂ T.
-fn choose(sums: &[f64], u: f32) -> (u32, f64) {
+pub(super) fn choose(sums: &[f64], u: f32) -> (u32, f64) {
     let target = f64::from(u) * sums[sums.len() - 1];
     let chosen = sums.partition_point(|&sum| sum <= target).min(sums.len() - 1);
     let before = if chosen == 0 { 0.0 } else { sums[chosen - 1] };

@@ -21,6 +21,7 @@ use renderer::scene::{
 use renderer::shapes::ShapeSettings;
 use renderer::texture::Texture;
 use verify::error::InputError;
+use verify::mean::MeanClaim;
 
 /// An error of the renderer as a reason why a claim cannot run.
 pub fn subject(error: impl std::fmt::Display) -> InputError {
@@ -276,6 +277,13 @@ pub fn image(scene: &Scene, kind: SamplerKind, samples: u32, seed: u64) -> Rende
     let settings = RenderSettings { sampler: kind, samples, replicates: 1, seed, threads: 0 };
     render(scene, &PathTracer { settings: scene.integrator }, &settings, &|_| ())
         .expect("one replicate, at least one sample, and the threads at hand")
+}
+
+/// The claim that the means of two images differ by at most `bound`, in units of the mean `unit`.
+pub fn difference_of_images(unit: f64, bound: f64) -> MeanClaim {
+    // Sums of f32 products along paths of a few vertices.
+    let rounding = 16.0 * f64::from(f32::EPSILON);
+    MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bound) }
 }
 
 /// The mean over all pixels and channels of an image.

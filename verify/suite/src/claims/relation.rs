@@ -20,7 +20,8 @@ mod unchanged;
 
 use crate::bounds;
 use crate::setup::{
-    built, diffuse, fixed, image, lamp, mean, receiver, rectangle_at, remembering, spot, thing,
+    built, difference_of_images, diffuse, fixed, image, lamp, mean, receiver, rectangle_at, remembering,
+    spot, thing,
 };
 
 /// The claims of the group.
@@ -162,11 +163,7 @@ impl Family {
             let Version { sampler, samples, .. } = versions[i];
             scenes[i].iter().map(|scene| mean(&image(scene, sampler, samples, seed))).sum()
         };
-        let unit = mean(0, 0);
-        // sums of f32 products along paths of a few vertices
-        let rounding = 16.0 * f64::from(f32::EPSILON);
-        let difference = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bound) };
-        let differences = vec![difference; others];
+        let differences = vec![difference_of_images(mean(0, 0), bound); others];
         Self { differences, mean: Box::new(remembering(mean)) }
     }
 

@@ -134,7 +134,7 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
         ));
     }
     let origin = Origin {
-        shared_by: if args.reuse { MATES } else { 1 },
+        shared_by: if integrator.reuses(&scene) { MATES } else { 1 },
         ..Origin::new(description.hash, &settings, &how, description.film.reconstruction)
     };
     let checkpoint = Checkpoint::beside(&output, origin.clone(), Duration::from_secs_f64(args.checkpoint));

@@ -8,11 +8,11 @@ use renderer::render::{RenderSettings, Rendering, go_on, pilot};
 use renderer::sampling::SamplerKind;
 use renderer::scene::Scene;
 use verify::claim::{Claim, claim};
-use verify::mean::{MeanClaim, joint_control, joint_evidence};
+use verify::mean::{joint_control, joint_evidence};
 
 use super::room;
 use crate::bounds;
-use crate::setup::{built, image, mean, remembering};
+use crate::setup::{built, difference_of_images, image, mean, remembering};
 
 /// Samples a pixel, and how many of them the pilot takes.
 const SAMPLES: u32 = 32;
@@ -36,10 +36,7 @@ pub(super) fn claims() -> Vec<Claim> {
         value(way as usize, seed) - value(Way::Even as usize, seed)
     };
     let differences = Arc::new(LazyLock::new(move || {
-        let unit = allocated(&known, Way::Even, 0);
-        // sums of f32 products along paths of a few vertices
-        let rounding = 16.0 * f64::from(f32::EPSILON);
-        [MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::RELATION) }]
+        [difference_of_images(allocated(&known, Way::Even, 0), bounds::RELATION)]
     }));
     let (differences_2, differences_3) = (differences.clone(), differences.clone());
     let (control, bright) = (value.clone(), value.clone());

@@ -11,10 +11,12 @@ use renderer::scene::{IntegratorSettings, Scene};
 use renderer::shapes::ShapeSettings;
 use verify::claim::{Claim, claim};
 use verify::estimate::Moments;
-use verify::mean::{MeanClaim, joint_control, joint_evidence};
+use verify::mean::{joint_control, joint_evidence};
 
 use crate::bounds;
-use crate::setup::{built, diffuse, image, lamp, mean, phong, rectangle_at, remembering, spot, thing};
+use crate::setup::{
+    built, difference_of_images, diffuse, image, lamp, mean, phong, rectangle_at, remembering, spot, thing,
+};
 
 /// Samples a pixel and replicate.
 const SAMPLES: u32 = 512;
@@ -32,10 +34,7 @@ pub(super) fn claims() -> Vec<Claim> {
     let value = Arc::new(remembering(move |way, seed| pixels(&rooms[way / 2][way % 2], seed)));
     let differences = Arc::new(LazyLock::new(move || {
         let unit = mean(&image(&known[0][0], SamplerKind::Sobol, SAMPLES, 0));
-        // sums of f32 products along paths of a few vertices
-        let rounding = 16.0 * f64::from(f32::EPSILON);
-        let one = MeanClaim { rounding, ..MeanClaim::in_units_of(unit, 0.0, bounds::SHARED) };
-        [one; LINES]
+        [difference_of_images(unit, bounds::SHARED); LINES]
     }));
     // What an image made of that with paths of their own, or one with shared paths, has more of in a line.
     let own = |i: usize| 2 * (i / SIDE as usize);

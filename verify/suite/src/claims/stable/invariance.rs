@@ -12,7 +12,7 @@ use verify::mean::{CONTROL_FACTOR, MeanClaim, joint_control, joint_evidence};
 use super::super::relation::{by_points, room, transformed};
 use super::routine::worst_case;
 use crate::bounds;
-use crate::setup::{built, fixed, image, mean, remembering};
+use crate::setup::{built, difference_of_images, fixed, image, mean, remembering};
 
 /// Samples a pixel and replicate.
 const SAMPLES: u32 = 16;
@@ -94,13 +94,10 @@ impl Pair {
     fn new(outer: DAffine3) -> Self {
         let scenes = [built(&lit()), built(&transformed(lit(), outer)), built(&in_single(lit, outer))];
         let of = |scene: &Scene, seed| mean(&image(scene, SamplerKind::Sobol, SAMPLES, seed));
-        let unit = of(&scenes[0], 0);
-        // Sums of f32 products along paths of a few vertices.
-        let rounding = 16.0 * f64::from(f32::EPSILON);
         // A mirrored surface's frame is another, and so are the directions drawn in it: only there the noise is not shared.
         let replicates = if outer.matrix3.determinant() < 0.0 { 800 } else { 32 };
         let difference =
-            MeanClaim { rounding, replicates, ..MeanClaim::in_units_of(unit, 0.0, bounds::INVARIANCE) };
+            MeanClaim { replicates, ..difference_of_images(of(&scenes[0], 0), bounds::INVARIANCE) };
         Self { mean: Box::new(remembering(move |version, seed| of(&scenes[version], seed))), difference }
     }
 
