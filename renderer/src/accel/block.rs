@@ -3,7 +3,7 @@
 use glam::Vec3;
 use wide::{f32x8, f32x16};
 
-use super::node::{SLACK, WIDTH, limit, prefetch};
+use super::node::{SLACK, WIDTH, limit};
 use super::walk::Mode;
 use crate::ray::Ray;
 
@@ -54,14 +54,6 @@ impl<'a> BlockRef<'a> {
     #[inline]
     pub(super) fn new(memory: &'a BlockMemory) -> Self {
         Self(bytemuck::cast_ref(memory))
-    }
-
-    /// Fetches the block into the cache.
-    #[inline]
-    pub(super) fn prefetch(self) {
-        for eight in self.0.iter().step_by(2) {
-            prefetch(eight);
-        }
     }
 
     #[inline]

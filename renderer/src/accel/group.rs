@@ -14,7 +14,8 @@ use super::memory::Array;
 use super::node::{Bounds32, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
 use super::packet::{Packet, RAYS, Waiting};
-use super::walk::{Any, AnyAhead, Closest, ClosestAhead, Entry, Found, Mode, Search, Tree, Walker, walk};
+use super::turns;
+use super::walk::{Any, Closest, Entry, Found, Mode, Search, Tree, walk};
 use crate::math::bounds::Bounds;
 use crate::ray::{EightRays, Hit, Ray};
 use crate::shapes::{EightHits, Shape, ShapeHit};
@@ -29,10 +30,7 @@ pub(super) const BUILD: BvhBuildParams = BvhBuildParams {
 };
 
 /// Bytes of a tree that caches hold, so that rays don't wait for memory; measured in benches/README.md.
-const CACHED: usize = 1 << 22;
-
-/// Rays walked in turns; measured in benches/README.md.
-const LANES: usize = 12;
+const CACHED: usize = 1 << 20;
 
 /// What a leaf of a tree holds.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +53,7 @@ pub(super) struct Group {
     /// The leaves, if they are few.
     pub(super) few: Option<Few>,
     /// What a walk's stack may hold.
-    stack: usize,
+    pub(super) stack: usize,
     /// Whether the space is an object's own.
     is_inner: bool,
 }
@@ -149,7 +147,7 @@ impl Group {
 
     /// The group with its arrays at hand.
     #[inline]
-    fn tree(&self) -> Tree<'_> {
+    pub(super) fn tree(&self) -> Tree<'_> {
         Tree { group: self, nodes: self.nodes.as_slice(), blocks: self.blocks.as_slice() }
     }
 
@@ -229,38 +227,6 @@ impl Group {
         }
     }
 
-    /// Walks `LANES` rays in turns, so that one computes while others wait for memory; calls `done` as `walk_each` does.
-    #[inline]
-    fn walk_in_turns<M: Mode>(
-        &self,
-        rays: &[Ray],
-        context: &mut Context,
-        mut done: impl FnMut(usize, &Search),
-    ) {
-        let mut stack = std::mem::take(&mut context.stack);
-        stack.resize(LANES * self.stack, Entry::default());
-        let tree = self.tree();
-        let mut waiting = rays.iter().enumerate();
-        let start = |(lane, (index, ray))| Walker::new(self, ray, index, lane * self.stack);
-        let mut walkers: Vec<Walker> = (0..LANES).zip(waiting.by_ref()).map(start).collect();
-        while !walkers.is_empty() {
-            let mut lane = 0;
-            while let Some(walker) = walkers.get_mut(lane) {
-                if walker.is_walking() {
-                    walker.step::<M>(&tree, &mut stack, context);
-                    lane += 1;
-                    continue;
-                }
-                done(walker.index, &walker.search);
-                match waiting.next() {
-                    Some((index, ray)) => walker.restart(self, ray, index),
-                    None => drop(walkers.swap_remove(lane)),
-                }
-            }
-        }
-        context.stack = stack;
-    }
-
     /// The nearest hit of each ray.
     pub(super) fn closest(&self, rays: &[Ray], context: &mut Context, hits: &mut [Option<Hit>]) {
         if self.root == Child::NONE {
@@ -271,7 +237,7 @@ impl Group {
         } else if self.is_cached() || are_coherent(rays) {
             self.walk_each::<Closest>(rays, context, |i, found| hits[i] = found.hit(self));
         } else {
-            self.walk_in_turns::<ClosestAhead>(rays, context, |i, found| hits[i] = found.hit(self));
+            turns::walk::<Closest>(self, rays, context, |i, found| hits[i] = found.hit(self));
         }
     }
 
@@ -285,7 +251,7 @@ impl Group {
         } else if self.is_cached() || are_coherent(rays) {
             self.walk_each::<Any>(rays, context, |i, found| blocked[i] = found.is_blocked());
         } else {
-            self.walk_in_turns::<AnyAhead>(rays, context, |i, found| blocked[i] = found.is_blocked());
+            turns::walk::<Any>(self, rays, context, |i, found| blocked[i] = found.is_blocked());
         }
     }
 
@@ -380,12 +346,12 @@ mod tests {
         let context = &mut Context::new(&objects, &[]);
         let (mut alone, mut in_turns) = (vec![None; rays.len()], vec![None; rays.len()]);
         group.walk_each::<Closest>(&rays, context, |i, found| alone[i] = found.hit(&group));
-        group.walk_in_turns::<ClosestAhead>(&rays, context, |i, found| in_turns[i] = found.hit(&group));
+        turns::walk::<Closest>(&group, &rays, context, |i, found| in_turns[i] = found.hit(&group));
         assert_eq!(alone, in_turns);
         assert!(alone.iter().any(Option::is_some) && alone.iter().any(Option::is_none));
         let (mut each, mut turns) = (vec![false; rays.len()], vec![false; rays.len()]);
         group.walk_each::<Any>(&rays, context, |i, found| each[i] = found.is_blocked());
-        group.walk_in_turns::<AnyAhead>(&rays, context, |i, found| turns[i] = found.is_blocked());
+        turns::walk::<Any>(&group, &rays, context, |i, found| turns[i] = found.is_blocked());
         assert!(each == turns && each.iter().zip(&alone).all(|(any, hit)| *any == hit.is_some()));
     }
 }

@@ -9,6 +9,7 @@ mod moving;
 mod node;
 mod object;
 mod packet;
+mod turns;
 mod walk;
 
 pub use object::Object;

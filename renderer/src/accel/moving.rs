@@ -139,7 +139,7 @@ impl MovingTrees {
             } else {
                 let node = &segment.nodes[next.node()];
                 let (mask, near) = node.enter(&slab, through, reach);
-                next = pending.choose::<Closest>(mask, &near, |slot| node.children[slot], |_| ());
+                next = pending.choose::<Closest>(mask, &near, |slot| node.children[slot]);
             }
             if next == Child::NONE {
                 next = pending.pop::<Closest>(reach);
@@ -206,8 +206,8 @@ impl Segment {
 
 impl MovingNode {
     fn new(list: &[(Pair, Child)]) -> Self {
-        let empty = [[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]];
-        let (mut sides, mut change) = ([empty; 3], [[[0.0; WIDTH]; 2]; 3]);
+        // As in `Node::new`.
+        let (mut sides, mut change) = ([[[f32::INFINITY; WIDTH]; 2]; 3], [[[0.0; WIDTH]; 2]; 3]);
         let mut children = [Child::NONE; WIDTH];
         for (slot, (pair, child)) in list.iter().enumerate() {
             let [start, end] = pair.each_ref().map(padded);

@@ -61,6 +61,18 @@ impl Child {
         (self.0 & LEAF != 0).then_some((self.0 & !LEAF) as usize)
     }
 
+    /// Whether it isn't a node.
+    #[inline]
+    pub(super) fn is_leaf(self) -> bool {
+        self.0 & LEAF != 0
+    }
+
+    /// The index among nodes, or among leaves.
+    #[inline]
+    pub(super) fn index(self) -> usize {
+        (self.0 & !LEAF) as usize
+    }
+
     /// The index of the node, if it is one.
     #[inline]
     pub(super) fn node(self) -> usize {
@@ -71,7 +83,7 @@ impl Child {
 /// Up to eight boxes with what is in them.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
-    /// Lower and upper sides by axis; a slot without a child has them the wrong way round, at infinity.
+    /// Lower and upper sides by axis; a slot without a child has both at infinity, whichever way a ray goes beyond its limit or behind it.
     sides: [[[f32; WIDTH]; 2]; 3],
     children: [Child; WIDTH],
 }
@@ -89,7 +101,7 @@ pub(super) const SLACK: f32 = 1.0 + 5.0 * f32::EPSILON;
 impl Node {
     /// The node over `children` with their boxes, at most eight of them.
     pub(super) fn new(children: &[(Bounds32, Child)]) -> Self {
-        let mut sides = [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3];
+        let mut sides = [[[f32::INFINITY; WIDTH]; 2]; 3];
         let mut list = [Child::NONE; WIDTH];
         for (slot, (bounds, child)) in children.iter().enumerate() {
             for (axis, [low, high]) in sides.iter_mut().enumerate() {
@@ -128,14 +140,6 @@ impl<'a> NodeRef<'a> {
     #[inline]
     pub(super) fn new(memory: &'a NodeMemory) -> Self {
         Self(bytemuck::cast_ref(memory))
-    }
-
-    /// Fetches the node into the cache.
-    #[inline]
-    pub(super) fn prefetch(self) {
-        for eight in self.0.iter().step_by(2) {
-            prefetch(eight);
-        }
     }
 
     /// The child in a slot below 8.
@@ -180,52 +184,39 @@ impl Bounds32 {
 pub(super) struct Slab {
     pub(super) origin: [f32; 3],
     pub(super) inverse: [f32; 3],
-    /// The inverse grown by the slack, for the sides through which the ray leaves.
-    pub(super) inverse_far: [f32; 3],
-    /// 1 on the axes along which the ray meets the upper side first.
-    pub(super) upper_first: [usize; 3],
 }
 
 impl Slab {
+    #[inline]
     pub(super) fn new(ray: &Ray) -> Self {
         // A finite inverse keeps 0 · ∞ out of `enter` where the origin lies in a side's plane.
         let inverse = ray.direction.recip().clamp(Vec3::MIN, Vec3::MAX);
-        let inverse_far = (inverse * SLACK).clamp(Vec3::MIN, Vec3::MAX);
-        Self {
-            origin: ray.origin.to_array(),
-            inverse: inverse.to_array(),
-            inverse_far: inverse_far.to_array(),
-            upper_first: inverse.to_array().map(|i| usize::from(i < 0.0)),
-        }
+        Self { origin: ray.origin.to_array(), inverse: inverse.to_array() }
     }
-}
 
-impl Slab {
     /// Which of eight boxes the ray meets before `limit` (bits), and how far away it enters each; `side` gives their lower
     /// (0) or upper (1) sides along an axis.
     #[inline]
     pub(super) fn enter(&self, side: impl Fn(usize, usize) -> f32x8, limit: f32) -> (u32, f32x8) {
-        let distance = |axis: usize, which: usize, inverse: f32| {
-            (side(axis, which) - f32x8::splat(self.origin[axis])) * f32x8::splat(inverse)
+        let distances = |axis: usize| {
+            let (origin, inverse) = (f32x8::splat(self.origin[axis]), f32x8::splat(self.inverse[axis]));
+            [(side(axis, 0) - origin) * inverse, (side(axis, 1) - origin) * inverse]
         };
-        let near = |axis: usize| distance(axis, self.upper_first[axis], self.inverse[axis]);
-        let far = |axis: usize| distance(axis, 1 - self.upper_first[axis], self.inverse_far[axis]);
-        met(near, far, f32x8::splat(limit))
+        met(distances, f32x8::splat(limit))
     }
 }
 
 /// Which of eight boxes are met before their limits (bits), and how far away each is entered, by the distances of their
-/// nearer and farther sides along each axis.
+/// two sides along each axis.
 #[inline]
-pub(super) fn met(
-    near: impl Fn(usize) -> f32x8,
-    far: impl Fn(usize) -> f32x8,
-    limits: f32x8,
-) -> (u32, f32x8) {
+pub(super) fn met(distances: impl Fn(usize) -> [f32x8; 2], limits: f32x8) -> (u32, f32x8) {
+    let [x, y, z] = [distances(0), distances(1), distances(2)];
+    let near = |[a, b]: [f32x8; 2]| a.fast_min(b);
+    let far = |[a, b]: [f32x8; 2]| a.fast_max(b);
     // As trees, whose results are there sooner than a chain's.
-    let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
-    let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(limits));
-    (enter.simd_le(leave).to_bitmask(), enter)
+    let enter = near(x).fast_max(near(y)).fast_max(near(z).fast_max(f32x8::ZERO));
+    let leave = far(x).fast_min(far(y)).fast_min(far(z));
+    (enter.simd_le((leave * f32x8::splat(SLACK)).fast_min(limits)).to_bitmask(), enter)
 }
 
 /// How far away a box may begin and still matter, if hits matter up to `reach`; finite, so that a ray along an axis

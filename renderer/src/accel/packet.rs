@@ -30,14 +30,12 @@ pub(super) struct Waiting {
 pub(super) struct Packet {
     origin: [f32x8; 3],
     inverse: [f32x8; 3],
-    inverse_far: [f32x8; 3],
     /// 1 on the axes along which all rays meet the upper side first.
     upper_first: [usize; 3],
     /// Origins from which distances to the nearer and to the farther sides bound those of all rays.
     bounds: [[f32; 3]; 2],
-    /// The smallest and the largest inverse, and inverse for the farther sides.
+    /// The smallest and the largest inverse.
     inverses: [[f32; 2]; 3],
-    inverses_far: [[f32; 2]; 3],
 }
 
 impl Packet {
@@ -49,13 +47,14 @@ impl Packet {
             return None;
         }
         let slabs: [Slab; RAYS] = from_fn(|ray| Slab::new(&rays[ray]));
-        let upper_first = slabs[0].upper_first;
-        if slabs.iter().any(|slab| slab.upper_first != upper_first) {
+        let octant = |slab: &Slab| slab.inverse.map(|i| i < 0.0);
+        let upper_first = octant(&slabs[0]);
+        if slabs.iter().any(|slab| octant(slab) != upper_first) {
             return None;
         }
+        let upper_first = upper_first.map(usize::from);
         let lanes = |of: fn(&Slab) -> &[f32; 3]| from_fn(|axis| from_fn(|ray| of(&slabs[ray])[axis]));
-        let [origin, inverse, inverse_far]: [[[f32; RAYS]; 3]; 3] =
-            [lanes(|s| &s.origin), lanes(|s| &s.inverse), lanes(|s| &s.inverse_far)];
+        let [origin, inverse]: [[[f32; RAYS]; 3]; 2] = [lanes(|s| &s.origin), lanes(|s| &s.inverse)];
         let range = |of: &[f32; RAYS]| {
             of.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
         };
@@ -65,10 +64,8 @@ impl Packet {
             // A greater origin is nearer to the upper sides.
             bounds: [1, 0].map(|near| from_fn(|axis| origins[axis][near ^ upper_first[axis]])),
             inverses: inverse.each_ref().map(range),
-            inverses_far: inverse_far.each_ref().map(range),
             origin: wide(origin),
             inverse: wide(inverse),
-            inverse_far: wide(inverse_far),
             upper_first,
         })
     }
@@ -78,30 +75,24 @@ impl Packet {
     /// Rounding keeps order: the bounds hold for what `Slab::enter` computes for each ray, in every bit.
     #[inline]
     fn enter(&self, node: NodeRef, limit: f32) -> (u32, f32x8) {
-        let products = |axis: usize, which: usize, end: usize, [low, high]: [f32; 2]| {
-            let side = node.side(axis, which) - f32x8::splat(self.bounds[end][axis]);
-            (side * f32x8::splat(low), side * f32x8::splat(high))
+        let products = |axis: usize, end: usize| {
+            let side = node.side(axis, self.upper_first[axis] ^ end) - f32x8::splat(self.bounds[end][axis]);
+            self.inverses[axis].map(|inverse| side * f32x8::splat(inverse))
         };
-        let near = |axis: usize| {
-            let (a, b) = products(axis, self.upper_first[axis], 0, self.inverses[axis]);
-            a.fast_min(b)
+        let distances = |axis: usize| {
+            let ([a, b], [c, d]) = (products(axis, 0), products(axis, 1));
+            [a.fast_min(b), c.fast_max(d)]
         };
-        let far = |axis: usize| {
-            let (a, b) = products(axis, 1 - self.upper_first[axis], 1, self.inverses_far[axis]);
-            a.fast_max(b)
-        };
-        met(near, far, f32x8::splat(limit))
+        met(distances, f32x8::splat(limit))
     }
 
     /// Which rays meet the box in a slot of a node before their limits, as bits.
     #[inline]
     fn meet(&self, node: NodeRef, slot: usize, limits: f32x8) -> u32 {
-        let distance = |axis: usize, which: usize, inverse: f32x8| {
-            (f32x8::splat(node.side(axis, which).as_array()[slot]) - self.origin[axis]) * inverse
+        let distance = |axis: usize, which: usize| {
+            (f32x8::splat(node.side(axis, which).as_array()[slot]) - self.origin[axis]) * self.inverse[axis]
         };
-        let near = |axis: usize| distance(axis, self.upper_first[axis], self.inverse[axis]);
-        let far = |axis: usize| distance(axis, 1 - self.upper_first[axis], self.inverse_far[axis]);
-        met(near, far, limits).0
+        met(|axis| [distance(axis, 0), distance(axis, 1)], limits).0
     }
 
     /// Walks the rays through a tree. Each meets at least the boxes that it meets alone, so it finds the same.

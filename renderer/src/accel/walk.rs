@@ -1,10 +1,10 @@
 //! How a ray walks a tree.
 
-use wide::f32x8;
+use wide::{f32x8, f32x16};
 
 use super::block::{BlockMemory, BlockRef, Probe};
 use super::group::{Context, Group};
-use super::node::{Child, NodeMemory, NodeRef, Slab, WIDTH, limit};
+use super::node::{Child, NodeMemory, NodeRef, Slab, WIDTH, limit, prefetch};
 use crate::ray::{Hit, Ray};
 use crate::shapes::ShapeHit;
 use crate::shapes::triangle::ShearedRay;
@@ -13,23 +13,25 @@ use crate::shapes::triangle::ShearedRay;
 pub(super) trait Mode {
     /// Whether the walk ends at the first hit.
     const ANY: bool;
-    /// Whether what will be visited is fetched ahead, which pays while other rays are walked.
-    const PREFETCH: bool;
 }
 
-/// The two answers of a [`Mode`].
-pub(super) struct Walk<const ANY: bool, const PREFETCH: bool>;
+/// The nearest hit.
+pub(super) struct Closest;
 
-impl<const ANY: bool, const PREFETCH: bool> Mode for Walk<ANY, PREFETCH> {
-    const ANY: bool = ANY;
-    const PREFETCH: bool = PREFETCH;
+/// Any hit.
+pub(super) struct Any;
+
+impl Mode for Closest {
+    const ANY: bool = false;
 }
 
-/// The nearest hit, alone and in turns; any hit, alone and in turns.
-pub(super) type Closest = Walk<false, false>;
-pub(super) type ClosestAhead = Walk<false, true>;
-pub(super) type Any = Walk<true, false>;
-pub(super) type AnyAhead = Walk<true, true>;
+impl Mode for Any {
+    const ANY: bool = true;
+}
+
+/// Lines of the cache that a node and a leaf take.
+const NODE_LINES: usize = size_of::<NodeMemory>() / size_of::<f32x16>();
+const BLOCK_LINES: usize = size_of::<BlockMemory>() / size_of::<f32x16>();
 
 /// A group whose arrays are at hand.
 #[derive(Clone, Copy)]
@@ -50,12 +52,16 @@ impl<'a> Tree<'a> {
         BlockRef::new(&self.blocks[leaf])
     }
 
-    /// Fetches a node or leaf into the cache.
+    /// Fetches a node or leaf into the cache. No branch depends on which it is: a line too many for a node costs less.
     #[inline]
     pub(super) fn prefetch(&self, child: Child) {
-        match child.leaf() {
-            None => self.node(child).prefetch(),
-            Some(leaf) => self.block(leaf).prefetch(),
+        let arrays: [&[f32x16]; 2] = [self.nodes.as_flattened(), self.blocks.as_flattened()];
+        let kind = usize::from(child.is_leaf());
+        let first = child.index() * [NODE_LINES, BLOCK_LINES][kind];
+        if let Some([a, b, c, d, e]) = arrays[kind].get(first..first + BLOCK_LINES) {
+            for line in [a, b, c, d, e] {
+                prefetch(line);
+            }
         }
     }
 }
@@ -257,67 +263,12 @@ pub(super) fn walk<M: Mode>(tree: &Tree, ray: &Ray, stack: &mut [Entry], context
     search
 }
 
-/// A ray on its way through a tree.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Walker {
-    pub(super) search: Search,
-    slab: Slab,
-    next: Child,
-    /// The walker's part of the stack and how far it is filled.
-    bottom: usize,
-    top: usize,
-    /// Which of a batch's rays it is.
-    pub(super) index: usize,
-}
-
-impl Walker {
-    /// Ray `index` of a batch at the root of the group's tree; `bottom` is where its stack begins.
-    #[inline]
-    pub(super) fn new(group: &Group, ray: &Ray, index: usize, bottom: usize) -> Self {
-        Self { search: Search::new(ray), slab: Slab::new(ray), next: group.root, bottom, top: bottom, index }
-    }
-
-    /// The next ray of the batch in this one's place.
-    #[inline]
-    pub(super) fn restart(&mut self, group: &Group, ray: &Ray, index: usize) {
-        *self = Self::new(group, ray, index, self.bottom);
-    }
-
-    /// Whether anything is left to visit.
-    #[inline]
-    pub(super) fn is_walking(&self) -> bool {
-        self.next != Child::NONE
-    }
-
-    /// Visits one node or leaf.
-    #[inline]
-    pub(super) fn step<M: Mode>(&mut self, tree: &Tree, stack: &mut [Entry], context: &mut Context) {
-        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
-        self.next = match self.next.leaf() {
-            None => descend::<M>(tree, self.next, &self.slab, limit(self.search.ray.t_max), &mut pending),
-            Some(leaf) => {
-                self.search.leaf::<M>(tree, leaf, context);
-                Child::NONE
-            }
-        };
-        if self.next == Child::NONE && !(M::ANY && self.search.is_blocked) {
-            self.next = pending.pop::<M>(limit(self.search.ray.t_max));
-        }
-        self.top = pending.top;
-    }
-}
-
 /// Visits a node of the group.
 #[inline]
 fn descend<M: Mode>(tree: &Tree, node: Child, slab: &Slab, limit: f32, pending: &mut Pending) -> Child {
     let node = tree.node(node);
     let (mask, near) = node.enter(slab, limit);
-    let fetch = |child| {
-        if M::PREFETCH {
-            tree.prefetch(child);
-        }
-    };
-    pending.choose::<M>(mask, &near, |slot| node.child(slot), fetch)
+    pending.choose::<M>(mask, &near, |slot| node.child(slot))
 }
 
 /// A part of a stack, of children left for later.
@@ -329,14 +280,13 @@ pub(super) struct Pending<'a> {
 
 impl Pending<'_> {
     /// The nearest of the children in `mask`, or the first if any hit will do; the others are left for later, with the
-    /// farthest at the bottom. `Child::NONE` if there are none. Calls `seen` with each.
+    /// farthest at the bottom. `Child::NONE` if there are none.
     #[inline]
     pub(super) fn choose<M: Mode>(
         &mut self,
         mut mask: u32,
         near: &f32x8,
         child: impl Fn(usize) -> Child,
-        seen: impl Fn(Child),
     ) -> Child {
         if mask == 0 {
             return Child::NONE;
@@ -344,7 +294,6 @@ impl Pending<'_> {
         let mut take = || {
             let slot = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
-            seen(child(slot));
             (slot, mask != 0)
         };
         // Nothing is passed over where any hit will do, so distances don't matter.

@@ -1,0 +1,153 @@
+//! Rays walked in turns, so that one computes while others wait for memory, or for what a branch depends on.
+
+use wide::f32x8;
+
+use super::group::{Context, Group};
+use super::node::{Child, Slab};
+use super::walk::{Entry, Mode, Pending, Search, Tree};
+use crate::ray::Ray;
+
+/// Rays walked in turns; measured in benches/README.md.
+const LANES: usize = 24;
+
+/// Walks rays in turns and calls `done` with the index of each and what it found.
+///
+/// All that are at a node test its boxes, then choose where to go, then all that are at a leaf visit it. So no branch has to guess
+/// whether a node or a leaf comes, and those that depend on the boxes find the tests done: a wrong guess there costs little.
+#[inline]
+pub(super) fn walk<M: Mode>(
+    group: &Group,
+    rays: &[Ray],
+    context: &mut Context,
+    mut done: impl FnMut(usize, &Search),
+) {
+    let mut stack = std::mem::take(&mut context.stack);
+    stack.resize(LANES * group.stack, Entry::default());
+    let tree = group.tree();
+    let mut waiting = rays.iter().enumerate();
+    let start = |(lane, (index, ray))| Walker::new(group, ray, index, lane * group.stack);
+    let mut walkers: Vec<Walker> = (0..LANES).zip(waiting.by_ref()).map(start).collect();
+    // The walkers at nodes, and those at leaves or at an end.
+    let mut at = [List::default(); 2];
+    for (lane, walker) in walkers.iter().enumerate() {
+        at[walker.place()].push(lane);
+    }
+    let mut met = [(0, f32x8::ZERO); LANES];
+    while at.iter().any(|list| list.count > 0) {
+        let now = std::mem::take(&mut at[0]);
+        for (&lane, met) in now.lanes().iter().zip(&mut met) {
+            *met = walkers[lane].meet(&tree);
+        }
+        for (&lane, met) in now.lanes().iter().zip(&met) {
+            let walker = &mut walkers[lane];
+            walker.descend::<M>(&tree, met, &mut stack);
+            at[walker.place()].push(lane);
+        }
+        let now = std::mem::take(&mut at[1]);
+        for &lane in now.lanes() {
+            let walker = &mut walkers[lane];
+            if let Some(leaf) = walker.leaf() {
+                walker.search.leaf::<M>(&tree, leaf, context);
+                walker.leave::<M>(&tree, &mut stack);
+            } else {
+                done(walker.index, &walker.search);
+                let Some((index, ray)) = waiting.next() else { continue };
+                walker.restart(group, ray, index);
+            }
+            at[walker.place()].push(lane);
+        }
+    }
+    context.stack = stack;
+}
+
+/// Which walkers are at some place; a vector would ask for room each time.
+#[derive(Debug, Clone, Copy, Default)]
+struct List {
+    lanes: [usize; LANES],
+    count: usize,
+}
+
+impl List {
+    #[inline]
+    fn push(&mut self, lane: usize) {
+        self.lanes[self.count] = lane;
+        self.count += 1;
+    }
+
+    #[inline]
+    fn lanes(&self) -> &[usize] {
+        &self.lanes[..self.count]
+    }
+}
+
+/// A ray on its way through a tree.
+#[derive(Debug, Clone, Copy)]
+struct Walker {
+    search: Search,
+    slab: Slab,
+    next: Child,
+    /// The walker's part of the stack and how far it is filled.
+    bottom: usize,
+    top: usize,
+    /// Which of a batch's rays it is.
+    index: usize,
+}
+
+impl Walker {
+    /// Ray `index` of a batch at the root of the group's tree; `bottom` is where its stack begins.
+    #[inline]
+    fn new(group: &Group, ray: &Ray, index: usize, bottom: usize) -> Self {
+        Self { search: Search::new(ray), slab: Slab::new(ray), next: group.root, bottom, top: bottom, index }
+    }
+
+    /// The next ray of the batch in this one's place.
+    #[inline]
+    fn restart(&mut self, group: &Group, ray: &Ray, index: usize) {
+        self.search.restart(ray);
+        self.slab = Slab::new(ray);
+        self.next = group.root;
+        self.top = self.bottom;
+        self.index = index;
+    }
+
+    /// 0 at a node, 1 at a leaf or an end.
+    #[inline]
+    fn place(&self) -> usize {
+        usize::from(self.next.is_leaf())
+    }
+
+    /// The leaf to visit; `None` at an end.
+    #[inline]
+    fn leaf(&self) -> Option<usize> {
+        if self.next == Child::NONE { None } else { self.next.leaf() }
+    }
+
+    /// Tests the boxes of the node that it is at.
+    #[inline]
+    fn meet(&self, tree: &Tree) -> (u32, f32x8) {
+        tree.node(self.next).enter(&self.slab, self.search.limit())
+    }
+
+    /// Goes on below a node of which it has met those boxes.
+    #[inline]
+    fn descend<M: Mode>(&mut self, tree: &Tree, (mask, near): &(u32, f32x8), stack: &mut [Entry]) {
+        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
+        let node = tree.node(self.next);
+        self.next = pending.choose::<M>(*mask, near, |slot| node.child(slot));
+        if self.next == Child::NONE {
+            self.next = pending.pop::<M>(self.search.limit());
+        }
+        self.top = pending.top;
+        tree.prefetch(self.next);
+    }
+
+    /// Goes on after a leaf.
+    #[inline]
+    fn leave<M: Mode>(&mut self, tree: &Tree, stack: &mut [Entry]) {
+        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
+        let is_done = M::ANY && self.search.is_blocked();
+        self.next = if is_done { Child::NONE } else { pending.pop::<M>(self.search.limit()) };
+        self.top = pending.top;
+        tree.prefetch(self.next);
+    }
+}
