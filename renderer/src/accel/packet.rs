@@ -5,7 +5,7 @@ use std::array::from_fn;
 use wide::f32x8;
 
 use super::group::Context;
-use super::node::{NodeRef, Slab, WIDTH, limit, met};
+use super::node::{Child, NodeRef, Slab, WIDTH, limit, met};
 use super::walk::{Entry, Mode, Search, Tree};
 use crate::ray::Ray;
 
@@ -111,18 +111,21 @@ impl Packet {
         stack.clear();
         stack.push(Waiting { entry: Entry::new(tree.group.root, 0.0), rays: ALL });
         while let Some(Waiting { entry, rays }) = stack.pop() {
-            let mut left = rays & walking;
+            let left = rays & walking;
             if left == 0 || !(M::ANY || entry.begins_before(farthest)) {
                 continue;
             }
             let Some(leaf) = entry.child().leaf() else {
-                self.descend::<M>(tree.node(entry.child()), (&limits, farthest, walking), stack);
+                self.descend::<M>(tree, entry.child(), (&limits, farthest, walking), stack);
                 continue;
             };
-            while left != 0 {
-                let ray = left.trailing_zeros() as usize % RAYS;
-                left &= left - 1;
-                searches[ray].leaf::<M>(tree, leaf, context);
+            // All candidates first: what the branches below depend on is known when they come.
+            let mut candidates = [(0, 0); RAYS];
+            for ray in lanes(left) {
+                candidates[ray] = searches[ray].candidates::<M>(tree, leaf);
+            }
+            for ray in lanes(left) {
+                searches[ray].settle::<M>(tree, leaf, candidates[ray], context);
                 if M::ANY && searches[ray].is_blocked() {
                     walking &= !(1 << ray);
                 }
@@ -137,20 +140,26 @@ impl Packet {
     #[inline]
     fn descend<M: Mode>(
         &self,
-        node: NodeRef,
+        tree: &Tree,
+        node: Child,
         (limits, farthest, walking): (&f32x8, f32, u32),
         stack: &mut Vec<Waiting>,
     ) {
-        let (mut slots, near) = self.enter(node, farthest);
+        let node = tree.node(node);
+        let (slots, near) = self.enter(node, farthest);
         let base = stack.len();
-        while slots != 0 {
-            let slot = slots.trailing_zeros() as usize % WIDTH;
-            slots &= slots - 1;
-            let rays = self.meet(node, slot, *limits) & walking;
+        let mut meeting = [0; WIDTH];
+        for slot in lanes(slots) {
+            meeting[slot] = self.meet(node, slot, *limits) & walking;
+        }
+        for slot in lanes(slots) {
+            let rays = meeting[slot];
             if rays == 0 {
                 continue;
             }
-            let waiting = Waiting { entry: Entry::new(node.child(slot), near.as_array()[slot]), rays };
+            let child = node.child(slot);
+            tree.prefetch(child);
+            let waiting = Waiting { entry: Entry::new(child, near.as_array()[slot]), rays };
             let mut place = stack.len();
             stack.push(waiting);
             while !M::ANY && place > base && stack[place - 1].entry < waiting.entry {
@@ -160,6 +169,16 @@ impl Packet {
             stack[place] = waiting;
         }
     }
+}
+
+/// The lanes of a mask, in their order.
+#[inline]
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then_some(mask.trailing_zeros() as usize % RAYS);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
 }
 
 fn highest(limits: &f32x8) -> f32 {

@@ -172,6 +172,26 @@ impl Search {
     /// Tries what is in a leaf.
     #[inline]
     pub(super) fn leaf<M: Mode>(&mut self, tree: &Tree, leaf: usize, context: &mut Context) {
+        let candidates = self.candidates::<M>(tree, leaf);
+        self.settle::<M>(tree, leaf, candidates, context);
+    }
+
+    /// The lanes of a leaf's triangles that the ray may hit, and of those that it hits for certain, as bits.
+    #[inline]
+    pub(super) fn candidates<M: Mode>(&mut self, tree: &Tree, leaf: usize) -> (u32, u32) {
+        let block = tree.block(leaf);
+        if block.has_triangles() { block.candidates::<M>(&self.ray, &mut self.probe) } else { (0, 0) }
+    }
+
+    /// Tries what is in a leaf of which the candidates are known.
+    #[inline]
+    pub(super) fn settle<M: Mode>(
+        &mut self,
+        tree: &Tree,
+        leaf: usize,
+        (mut lanes, certain): (u32, u32),
+        context: &mut Context,
+    ) {
         let block = tree.block(leaf);
         if !block.has_triangles() {
             // Such an item has a leaf of its own.
@@ -181,7 +201,6 @@ impl Search {
             }
             return;
         }
-        let (mut lanes, certain) = block.candidates::<M>(&self.ray, &mut self.probe);
         if M::ANY && certain != 0 {
             self.is_blocked = true;
             return;
