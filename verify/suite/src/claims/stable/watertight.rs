@@ -16,8 +16,16 @@ use super::numbers::Numbers;
 use super::routine::single;
 use crate::setup::subject;
 
-/// Columns and rows of the mesh.
-const SIDE: u32 = 16;
+/// The closed mesh that rays are traced in.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    /// Columns and rows of the mesh.
+    side: u32,
+    moves: bool,
+}
+
+/// A mesh of 32,512 triangles, so many that rays from its inside are walked in turns.
+const FINE: Body = Body { side: 128, moves: false };
 
 /// Rays that are traced at once.
 const BATCH: u64 = 4096;
@@ -26,56 +34,66 @@ pub(super) fn claims() -> Vec<Claim> {
     let cases =
         [("static", "at rest", false), ("moving", "that turns and shifts while the shutter is open", true)];
     let of = |(name, how, moves): (&str, &str, bool)| {
+        let body = Body { side: 16, moves };
         let says =
             format!("no ray from inside a closed mesh {how} misses it, aimed at corners and edges too");
         let leaks = move |run: &Run| {
             let bound = 5e-4;
-            judge(moves, run, share::trials_for(bound)? * run.effort, bound)
+            judge(body, run, share::trials_for(bound)? * run.effort, bound)
         };
         // 1e8 rays at the exhaustive level.
-        let many = move |run: &Run| judge(moves, run, 12_500_000 * run.effort, 1e-6);
+        let many = move |run: &Run| judge(body, run, 12_500_000 * run.effort, 1e-6);
         [
             claim(format!("stable/watertight/{name}"), says.clone())
-                .rejects("Möller and Trumbore in single precision", move |run| naive(moves, run))
-                .rejects("one triangle of 480 is missing", move |run| missing(moves, run))
+                .rejects("Möller and Trumbore in single precision", move |run| naive(body, run))
+                .rejects("one triangle of 480 is missing", move |run| missing(body, run))
                 .by(leaks),
             claim(format!("stable/watertight/{name}-1e7"), says)
-                .rejects("Möller and Trumbore in single precision", move |run| naive(moves, run))
+                .rejects("Möller and Trumbore in single precision", move |run| naive(body, run))
                 .by(many)
                 .from_level(Level::Standard),
         ]
     };
-    cases.map(of).into_iter().flatten().collect()
+    let fine = claim(
+        "stable/watertight/fine",
+        "no ray from inside a closed mesh misses it that is so fine that rays are walked in turns",
+    );
+    let fine = fine
+        .rejects("one ray of each 4,096 isn't walked", |run| {
+            in_turns(run, |hits| hits[hits.len() / 2] = None)
+        })
+        .by(|run| in_turns(run, |_| ()));
+    cases.map(of).into_iter().flatten().chain([fine]).collect()
 }
 
-/// A ball of two poles and rings of corners at distances of 1 to 1.5 from the origin, drawn from `seed`.
-fn mesh(seed: u64) -> MeshData {
+/// A ball of two poles and `side` − 1 rings of as many corners at distances of 1 to 1.5 from the origin, drawn from `seed`.
+fn mesh(seed: u64, side: u32) -> MeshData {
     let corner = |index: u32, theta: f64, phi: f64| {
         let radius = Numbers::new(seed, u64::from(index)).between(1.0, 1.5);
         let (sin, cos) = (theta.sin(), theta.cos());
         (radius * DVec3::new(sin * phi.cos(), sin * phi.sin(), cos)).as_vec3().to_array()
     };
-    let ring = |row: u32| 1 + (row - 1) * SIDE;
-    let last = ring(SIDE);
+    let ring = |row: u32| 1 + (row - 1) * side;
+    let last = ring(side);
     let mut mesh = MeshData::default();
     mesh.positions.push(corner(0, 0.0, 0.0));
-    for row in 1..SIDE {
-        for column in 0..SIDE {
+    for row in 1..side {
+        for column in 0..side {
             let (theta, phi) =
-                (PI * f64::from(row) / f64::from(SIDE), TAU * f64::from(column) / f64::from(SIDE));
+                (PI * f64::from(row) / f64::from(side), TAU * f64::from(column) / f64::from(side));
             mesh.positions.push(corner(ring(row) + column, theta, phi));
         }
     }
     mesh.positions.push(corner(last, PI, 0.0));
-    for column in 0..SIDE {
-        let next = (column + 1) % SIDE;
+    for column in 0..side {
+        let next = (column + 1) % side;
         mesh.triangles.push([0, ring(1) + column, ring(1) + next]);
-        for row in 1..SIDE - 1 {
+        for row in 1..side - 1 {
             let (a, b) = (ring(row), ring(row + 1));
             mesh.triangles.push([a + column, b + column, b + next]);
             mesh.triangles.push([a + column, b + next, a + next]);
         }
-        mesh.triangles.push([ring(SIDE - 1) + column, last, ring(SIDE - 1) + next]);
+        mesh.triangles.push([ring(side - 1) + column, last, ring(side - 1) + next]);
     }
     mesh
 }
@@ -129,20 +147,34 @@ fn count(
     Ok(leaks)
 }
 
-fn judge(moves: bool, run: &Run, trials: u64, bound: f64) -> Result<Evidence, InputError> {
-    traced(&mesh(run.seed), moves, run, trials, bound)
+fn judge(body: Body, run: &Run, trials: u64, bound: f64) -> Result<Evidence, InputError> {
+    traced(&mesh(run.seed, body.side), body.moves, run, (trials, bound), |_| ())
+}
+
+/// The rays of the fine mesh, with what they found spoilt.
+fn in_turns(run: &Run, spoil: impl Fn(&mut [Option<Hit>])) -> Result<Evidence, InputError> {
+    let bound = 1e-4;
+    let trials = share::trials_for(bound)? * run.effort;
+    traced(&mesh(run.seed, FINE.side), FINE.moves, run, (trials, bound), spoil)
 }
 
 /// The rays of the whole mesh against one with a hole.
-fn missing(moves: bool, run: &Run) -> Result<Evidence, InputError> {
-    let mut holed = mesh(run.seed);
+fn missing(body: Body, run: &Run) -> Result<Evidence, InputError> {
+    let mut holed = mesh(run.seed, body.side);
     // At the equator: a three-hundredth of all directions, which a third of the rays take; some 20 find it, none with
     // probability 2e-9.
     holed.triangles.remove(holed.triangles.len() * 17 / 32);
-    traced(&holed, moves, run, 20_000, 1e-4)
+    traced(&holed, body.moves, run, (20_000, 1e-4), |_| ())
 }
 
-fn traced(mesh: &MeshData, moves: bool, run: &Run, trials: u64, bound: f64) -> Result<Evidence, InputError> {
+/// Judges how many of so many trials leak, against the bound, after `spoil` has changed what each batch found.
+fn traced(
+    mesh: &MeshData,
+    moves: bool,
+    run: &Run,
+    (trials, bound): (u64, f64),
+    spoil: impl Fn(&mut [Option<Hit>]),
+) -> Result<Evidence, InputError> {
     let settings = ShapeSettings::Mesh(Arc::new(mesh.clone()));
     let shape = Shape::new(&settings, &DAffine3::IDENTITY, false).map_err(subject)?;
     let object = if moves { Object::moving(shape, motion()?) } else { Object::still(shape) };
@@ -150,14 +182,15 @@ fn traced(mesh: &MeshData, moves: bool, run: &Run, trials: u64, bound: f64) -> R
     let mut found: Vec<Option<Hit>> = Vec::new();
     let leaks = count(mesh, moves, run, trials, |rays| {
         accel.closest(rays, &mut found);
+        spoil(&mut found);
         found.iter().flatten().map(|_| 1).sum()
     })?;
     share::judge("share of rays that leak", leaks, trials, bound)
 }
 
 /// The same by a test in single precision that knows nothing of its neighbour, on every triangle.
-fn naive(moves: bool, run: &Run) -> Result<Evidence, InputError> {
-    let (mesh, motion) = (mesh(run.seed), motion()?);
+fn naive(Body { side, moves }: Body, run: &Run) -> Result<Evidence, InputError> {
+    let (mesh, motion) = (mesh(run.seed, side), motion()?);
     let trials = 5_000;
     let leaks = count(&mesh, moves, run, trials, |rays| {
         let meets = |ray: &&Ray| {
