@@ -3,8 +3,8 @@
 use wide::f32x8;
 
 use super::group::Context;
-use super::node::{Bounds32, SLACK};
-use super::packet::{ALL, RAYS};
+use super::node::{Bounds32, SLACK, met};
+use super::packet::{ALL, RAYS, lanes_of};
 use super::walk::{Found, Mode, Search, Tree};
 use crate::math::eight::Eight;
 use crate::ray::{EightRays, Ray};
@@ -62,9 +62,7 @@ impl Few {
             if let Some(hits) = &hits {
                 met &= hits.lanes;
             }
-            while met != 0 {
-                let lane = met.trailing_zeros() as usize % RAYS;
-                met &= met - 1;
+            for lane in lanes_of(met) {
                 let search = &mut searches[lane];
                 match &hits {
                     Some(hits) => {
@@ -116,13 +114,9 @@ impl Lanes {
     #[inline]
     fn meet(&self, bounds: &Bounds32) -> u32 {
         let distance = |axis: usize, side: f32| (f32x8::splat(side) - self.origin[axis]) * self.inverse[axis];
-        let sides = |axis: usize| (distance(axis, bounds.min[axis]), distance(axis, bounds.max[axis]));
-        let (x, y, z) = (sides(0), sides(1), sides(2));
-        let near = |(a, b): (f32x8, f32x8)| a.fast_min(b);
-        let far = |(a, b): (f32x8, f32x8)| a.fast_max(b);
-        let enter = near(x).fast_max(near(y)).fast_max(near(z).fast_max(f32x8::ZERO));
-        let leave = far(x).fast_min(far(y)).fast_min(far(z).fast_min(self.rays.t_max));
-        enter.simd_le((leave * SLACK).fast_min(f32x8::splat(f32::MAX))).to_bitmask()
+        // As `limit`.
+        let limits = (self.rays.t_max * SLACK).fast_min(f32x8::splat(f32::MAX));
+        met(|axis| [bounds.min, bounds.max].map(|side| distance(axis, side[axis])), limits).0
     }
 }
 

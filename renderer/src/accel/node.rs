@@ -58,7 +58,7 @@ impl Child {
     /// The index of the leaf, if it is one.
     #[inline]
     pub(super) fn leaf(self) -> Option<usize> {
-        (self.0 & LEAF != 0).then_some((self.0 & !LEAF) as usize)
+        self.is_leaf().then_some(self.index())
     }
 
     /// Whether it isn't a node.

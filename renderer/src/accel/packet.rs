@@ -121,10 +121,10 @@ impl Packet {
             };
             // All candidates first: what the branches below depend on is known when they come.
             let mut candidates = [(0, 0); RAYS];
-            for ray in lanes(left) {
+            for ray in lanes_of(left) {
                 candidates[ray] = searches[ray].candidates::<M>(tree, leaf);
             }
-            for ray in lanes(left) {
+            for ray in lanes_of(left) {
                 searches[ray].settle::<M>(tree, leaf, candidates[ray], context);
                 if M::ANY && searches[ray].is_blocked() {
                     walking &= !(1 << ray);
@@ -149,10 +149,10 @@ impl Packet {
         let (slots, near) = self.enter(node, farthest);
         let base = stack.len();
         let mut meeting = [0; WIDTH];
-        for slot in lanes(slots) {
+        for slot in lanes_of(slots) {
             meeting[slot] = self.meet(node, slot, *limits) & walking;
         }
-        for slot in lanes(slots) {
+        for slot in lanes_of(slots) {
             let rays = meeting[slot];
             if rays == 0 {
                 continue;
@@ -173,7 +173,7 @@ impl Packet {
 
 /// The lanes of a mask, in their order.
 #[inline]
-fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = (mask != 0).then_some(mask.trailing_zeros() as usize % RAYS);
         mask &= mask.wrapping_sub(1);

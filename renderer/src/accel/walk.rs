@@ -264,7 +264,9 @@ pub(super) fn walk<M: Mode>(tree: &Tree, ray: &Ray, stack: &mut [Entry], context
     while next != Child::NONE {
         match next.leaf() {
             None => {
-                next = descend::<M>(tree, next, &slab, limit, &mut pending);
+                let node = tree.node(next);
+                let (mask, near) = node.enter(&slab, limit);
+                next = pending.choose::<M>(mask, &near, |slot| node.child(slot));
                 if next != Child::NONE {
                     continue;
                 }
@@ -280,14 +282,6 @@ pub(super) fn walk<M: Mode>(tree: &Tree, ray: &Ray, stack: &mut [Entry], context
         next = pending.pop::<M>(limit);
     }
     search
-}
-
-/// Visits a node of the group.
-#[inline]
-fn descend<M: Mode>(tree: &Tree, node: Child, slab: &Slab, limit: f32, pending: &mut Pending) -> Child {
-    let node = tree.node(node);
-    let (mask, near) = node.enter(slab, limit);
-    pending.choose::<M>(mask, &near, |slot| node.child(slot))
 }
 
 /// A part of a stack, of children left for later.
