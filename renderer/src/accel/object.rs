@@ -43,6 +43,12 @@ impl Object {
         }
     }
 
+    /// Whether it hides the end of a segment that leaves it, where that is known before the other objects are looked at.
+    #[inline]
+    pub fn hides(&self, segment: &Ray) -> bool {
+        self.motion.is_none() && self.shape.meets_again(segment)
+    }
+
     /// Writes the surface in the render frame at a hit of `ray` to where it stays.
     #[inline]
     pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray, surface: &mut SurfacePoint) {

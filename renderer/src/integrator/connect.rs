@@ -134,6 +134,11 @@ impl Connector<'_> {
                     connect(lane, contribution, ray);
                 }
             } else if let Some(sample) = samples.get(lane, time) {
+                // Half of all light points are behind a body of glass, and what it makes of them is dear.
+                let object = &self.scene.accel.objects()[surface.interaction.object as usize];
+                if object.hides(&sample.shadow_ray) {
+                    continue;
+                }
                 let contribution = self.general(surface, &sample, pmf.as_array()[lane], weighed);
                 if !contribution.is_black() {
                     connect(lane, contribution, sample.shadow_ray);
