@@ -39,7 +39,10 @@ impl Object {
     pub fn to_object(&self, ray: &Ray) -> Ray {
         match &self.motion {
             None => *ray,
-            Some(motion) => to_own(&motion.pose(f64::from(ray.time)), ray),
+            Some(motion) => match motion.offset(f64::from(ray.time)) {
+                Some(offset) => back(offset, ray),
+                None => to_own(&motion.pose(f64::from(ray.time)), ray),
+            },
         }
     }
 
@@ -55,8 +58,14 @@ impl Object {
         match &self.motion {
             None => self.shape.put_surface(element, hit, ray, surface),
             Some(motion) => {
-                let pose = motion.pose(f64::from(ray.time));
-                *surface = moved(&self.shape.surface(element, hit, &to_own(&pose, ray)), &pose);
+                let time = f64::from(ray.time);
+                if let Some(offset) = motion.offset(time) {
+                    self.shape.put_surface(element, hit, &back(offset, ray), surface);
+                    shift(surface, offset);
+                } else {
+                    let pose = motion.pose(time);
+                    *surface = moved(&self.shape.surface(element, hit, &to_own(&pose, ray)), &pose);
+                }
             }
         }
     }
@@ -120,6 +129,9 @@ impl Object {
     }
 }
 
+/// Half a unit in the last place of an f32 number of 1.
+const HALF_ULP: f64 = 0.5 * f32::EPSILON as f64;
+
 /// A ray in the space that `pose` maps to the render frame.
 fn to_own(pose: &Pose, ray: &Ray) -> Ray {
     Ray {
@@ -127,6 +139,22 @@ fn to_own(pose: &Pose, ray: &Ray) -> Ray {
         direction: (pose.inverse * ray.direction.as_dvec3()).as_vec3(),
         ..*ray
     }
+}
+
+/// A ray in the space that `offset` shifts to the render frame.
+#[inline]
+fn back(offset: DVec3, ray: &Ray) -> Ray {
+    Ray { origin: (ray.origin.as_dvec3() - offset).as_vec3(), ..*ray }
+}
+
+/// Moves a point of a surface, as [`moved`] does.
+#[inline]
+fn shift(surface: &mut SurfacePoint, offset: DVec3) {
+    let own = surface.point.as_dvec3();
+    let point = (own + offset).as_vec3();
+    let own_error = surface.error.as_dvec3() + own.abs() * (HALF_ULP * 1.001);
+    let error = own_error + point.as_dvec3().abs() * HALF_ULP + (own.abs() + offset.abs()) * (32.0 * f64::EPSILON);
+    (surface.point, surface.error) = (point, error.as_vec3() * (1.0 + f32::EPSILON));
 }
 
 /// The image of a point of a surface, with the error bound that holds for rays traced in the shape's own space.
@@ -138,11 +166,10 @@ fn moved(surface: &SurfacePoint, Pose { map, inverse }: &Pose) -> SurfacePoint {
     let point = map.transform_point3(own).as_vec3();
     // A ray that starts here is rounded to f32 in the shape's space, by half a unit in the last place of each coordinate,
     // on top of the surface's own error; this point is rounded too, and the f64 map rounds sizes like `scale`.
-    let half_ulp = f64::from(0.5 * f32::EPSILON);
-    let own_error = surface.error.as_dvec3() + own.abs() * (half_ulp * 1.001);
+    let own_error = surface.error.as_dvec3() + own.abs() * (HALF_ULP * 1.001);
     let magnitudes = glam::DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     let scale: DVec3 = magnitudes * own.abs() + map.translation.abs();
-    let error = magnitudes * own_error + point.as_dvec3().abs() * half_ulp + scale * (32.0 * f64::EPSILON);
+    let error = magnitudes * own_error + point.as_dvec3().abs() * HALF_ULP + scale * (32.0 * f64::EPSILON);
     SurfacePoint {
         point,
         error: error.as_vec3() * (1.0 + f32::EPSILON),

@@ -1,6 +1,7 @@
 //! Affine maps that change with time.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use smallvec::SmallVec;
 
 use crate::ParamError;
 use crate::math::bounds::Bounds;
@@ -15,6 +16,15 @@ use crate::math::bounds::Bounds;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     keys: Vec<Key>,
+    /// The keys' times and translations, if they do nothing else.
+    steps: SmallVec<[Step; 2]>,
+}
+
+/// Where a key shifts everything.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    time: f64,
+    translation: DVec3,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +91,10 @@ impl Motion {
             keys[key - 1].rests = from == to;
             keys[key - 1].shifts = from.matrix3 == to.matrix3;
         }
-        Ok(Self { keys })
+        let shifts = keys.iter().all(|key| key.affine.matrix3 == DMat3::IDENTITY);
+        let step = |key: &Key| Step { time: key.time, translation: key.translation };
+        let steps = if shifts { keys.iter().map(step).collect() } else { SmallVec::new() };
+        Ok(Self { keys, steps })
     }
 
     /// Whether every moment has the same transform.
@@ -109,6 +122,28 @@ impl Motion {
         let Some(to) = to else { return (from.affine, Some(from.inverse)) };
         let map = from.mix(to, (time - from.time) / (to.time - from.time));
         (map, from.shifts.then_some(from.inverse))
+    }
+
+    /// The translation at `time`, if the map never does anything else: as `at`, from a few numbers.
+    #[inline]
+    pub fn offset(&self, time: f64) -> Option<DVec3> {
+        let after = self.steps.partition_point(|step| step.time <= time);
+        let [before, next] = [after.checked_sub(1), Some(after)].map(|i| i.and_then(|i| self.steps.get(i)));
+        match (before, next) {
+            (Some(from), Some(to)) => {
+                Some(from.translation.lerp(to.translation, (time - from.time) / (to.time - from.time)))
+            }
+            (key, other) => key.or(other).map(|key| key.translation),
+        }
+    }
+
+    /// The map at `time`, and the motion of what it maps, if nothing but the translation changes.
+    pub fn shift_from(&self, time: f64) -> Option<(DAffine3, Self)> {
+        let start = self.at(time);
+        let shifts = self.keys.iter().all(|key| key.affine.matrix3 == start.matrix3);
+        let step = |key: &Key| (key.time, DAffine3::from_translation(key.translation - start.translation));
+        let shift = shifts.then(|| Self::keyed(self.keys.iter().map(step).collect()).ok())??;
+        Some((start, shift))
     }
 
     /// The key before `time` and the one after; without the latter the motion rests at the former.

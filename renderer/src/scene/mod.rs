@@ -180,17 +180,27 @@ fn measured(settings: &CameraSettings, count: usize) -> Result<Option<usize>, Pa
     Err(ParamError::Index { name: "the object of the irradiance meter", index, last })
 }
 
-/// The object in the render frame: at rest with its geometry there, moving with its geometry in object space.
+/// The object in the render frame: at rest with its geometry there; with its geometry there as the shutter opens, if it moves without turning; or
+/// in object space.
 fn place(object: &ObjectSettings, to_frame: DVec3, shutter: Shutter) -> Result<Object, ParamError> {
     let motion = object.to_world.then(&DAffine3::from_translation(to_frame))?;
     let moves = !motion.is_static() && shutter.length() > 0.0;
-    let map = if moves { DAffine3::IDENTITY } else { motion.at(shutter.open) };
     let settings = if object.radiance.is_black() { object.shape.clone() } else { object.shape.of_light() };
-    let mut shape = Shape::new(&settings, &map, object.flip_normals)?;
+    let shape = |map: &DAffine3| Shape::new(&settings, map, object.flip_normals);
+    let (mut shape, motion) = if !moves {
+        (shape(&motion.at(shutter.open))?, None)
+    } else if let Some((start, shift)) = motion.shift_from(shutter.open)
+        && let Ok(shape) = shape(&start)
+    {
+        (shape, Some(shift))
+    } else {
+        // It turns, or its kind of shape can't have that map: an ellipsoid is a sphere in a space of its own.
+        (shape(&DAffine3::IDENTITY)?, Some(motion))
+    };
     if !(object.material.is_textured() || object.radiance.varies()) {
         shape = shape.without_coordinates();
     }
-    Ok(Object { shape, motion: moves.then_some(motion) })
+    Ok(Object { shape, motion })
 }
 
 /// `n` as an index; scenes hold fewer than 2³² objects because each takes more than a byte of memory.
