@@ -44,8 +44,8 @@ fn interpolate([a, b]: [Bounds; 2], share: f64) -> Bounds {
     Bounds { min: a.min.lerp(b.min, share), max: a.max.lerp(b.max, share) }.grown(rounding)
 }
 
-fn object(rng: &mut Pcg64) -> Object {
-    let settings = match rng.random_range(0..6) {
+fn settings(rng: &mut Pcg64) -> ShapeSettings {
+    match rng.random_range(0..6) {
         0 => ShapeSettings::Rectangle,
         1 => ShapeSettings::Disk,
         2 => ShapeSettings::Cube,
@@ -56,12 +56,18 @@ fn object(rng: &mut Pcg64) -> Object {
             radius: 0.1 + rng.random::<f64>(),
         },
         _ => ShapeSettings::Mesh(Arc::new(globe(6, |_| 1.0))),
-    };
-    let shape = Shape::new(&settings, &affine(rng), false).expect("a regular shape");
-    if rng.random() {
+    }
+}
+
+/// At rest, turning or only shifting.
+fn object(rng: &mut Pcg64) -> Object {
+    let shape = Shape::new(&settings(rng), &affine(rng), false).expect("a regular shape");
+    let kind = rng.random_range(0..4);
+    if kind < 2 {
         return Object::still(shape);
     }
-    let keys = vec![(0.25, affine(rng)), (0.5, affine(rng)), (0.75, affine(rng))];
+    let mut key = || if kind == 2 { affine(rng) } else { DAffine3::from_translation(inside(rng, 4.0)) };
+    let keys = vec![(0.25, key()), (0.5, key()), (0.75, key())];
     Object::moving(shape, Motion::keyed(keys).expect("regular keys"))
 }
 
@@ -216,6 +222,37 @@ proptest! {
     }
 
     #[test]
+    fn objects_that_only_shift_are_where_they_have_come_to(seed: u64) {
+        let rng = &mut Pcg64::seed_from_u64(seed);
+        let (settings, map) = (settings(rng), affine(rng));
+        let mut key = |time| (time, DAffine3::from_translation(inside(rng, 4.0)) * map);
+        let motion = Motion::keyed(vec![key(0.0), key(0.3), key(1.0)]).expect("regular keys");
+        let (start, shift) = motion.shift_from(0.5).expect("it only shifts");
+        let shape = |map| Shape::new(&settings, &map, false).expect("a regular shape");
+        let moving = Accel::new(vec![Object::moving(shape(start), shift)], [0.0, 1.0]);
+        let (mut here, mut there) = (Vec::new(), Vec::new());
+        let mut apart = 0;
+        for time in [0.0, 0.2, 0.5, 0.9] {
+            let still = Accel::new(vec![Object::still(shape(motion.at(f64::from(time))))], [0.0, 1.0]);
+            let rays: Vec<Ray> = rays(rng, 100).into_iter().map(|ray| Ray { time, ..ray }).collect();
+            moving.closest(&rays, &mut here);
+            still.closest(&rays, &mut there);
+            for (ray, hits) in rays.iter().zip(here.iter().zip(&there)) {
+                let (Some(here), Some(there)) = hits else {
+                    apart += usize::from(hits.0.is_some() || hits.1.is_some());
+                    continue;
+                };
+                let [a, b] = [(&moving, here), (&still, there)].map(|(accel, hit)| accel.interaction(ray, hit));
+                // As in `hits_lie_on_their_rays`, for two.
+                let limit = 2.0 * 32.0 * 16.0 * f32::EPSILON / b.surface.ng.dot(b.wo).abs();
+                prop_assert!(a.surface.point.distance(b.surface.point) < limit, "{a:?} {b:?}");
+            }
+        }
+        // A ray within 1e-6 of an edge may meet one of the two only: one of 400 has a chance of 1e-3.
+        prop_assert!(apart <= 1, "{apart}");
+    }
+
+    #[test]
     fn boxes_hold_the_moving_body_at_every_time(seed: u64, keys in 1usize..5) {
         let rng = &mut Pcg64::seed_from_u64(seed);
         let motion = uneven_motion(rng, keys);
@@ -303,6 +340,23 @@ fn motions_pass_through_their_keys_the_short_way() {
     assert!(Motion::keyed(vec![(0.0, shift), (0.0, shift)]).is_err());
     assert!(Motion::keyed(vec![]).is_err());
     assert!(Motion::keyed(vec![(f64::NAN, shift)]).is_err());
+}
+
+#[test]
+fn motions_say_how_far_they_shift_if_that_is_all() {
+    let shift = |x| DAffine3::from_translation(DVec3::new(x, 1.0, -x));
+    let turn = DAffine3::from_axis_angle(DVec3::Z, 1.0);
+    let motion = Motion::keyed(vec![(1.0, shift(0.0)), (2.0, shift(3.0)), (4.0, shift(-1.0))]).unwrap();
+    for time in [-1.0, 1.0, 1.3, 2.0, 3.7, 4.0, 9.0] {
+        assert_eq!(motion.offset(time), Some(motion.at(time).translation), "{time}");
+    }
+    let turned = Motion::keyed(vec![(0.0, shift(1.0) * turn), (1.0, shift(2.0) * turn)]).unwrap();
+    assert_eq!(turned.offset(0.5), None);
+    let (start, rest) = turned.shift_from(0.5).unwrap();
+    assert_eq!(start, turned.at(0.5));
+    assert_eq!(rest.offset(1.0), Some(DVec3::new(0.5, 0.0, -0.5)));
+    let turning = Motion::keyed(vec![(0.0, shift(0.0)), (1.0, turn)]).unwrap();
+    assert!(turning.offset(0.5).is_none() && turning.shift_from(0.0).is_none());
 }
 
 #[test]
