@@ -153,7 +153,8 @@ fn shift(surface: &mut SurfacePoint, offset: DVec3) {
     let own = surface.point.as_dvec3();
     let point = (own + offset).as_vec3();
     let own_error = surface.error.as_dvec3() + own.abs() * (HALF_ULP * 1.001);
-    let error = own_error + point.as_dvec3().abs() * HALF_ULP + (own.abs() + offset.abs()) * (32.0 * f64::EPSILON);
+    let error =
+        own_error + point.as_dvec3().abs() * HALF_ULP + (own.abs() + offset.abs()) * (32.0 * f64::EPSILON);
     (surface.point, surface.error) = (point, error.as_vec3() * (1.0 + f32::EPSILON));
 }
 

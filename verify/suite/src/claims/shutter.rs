@@ -86,7 +86,9 @@ fn edge_rows(opening: Opening, [close, shift]: Mistake) -> Vec<SceneDescription>
     let row = |velocity: f64| {
         let mut object = half_plane(START + shift, 0.0);
         let from = object.to_world.at(0.0);
-        object.to_world = keyed(from, slide(velocity) * from);
+        // Keys before and after the shutter's time, 3 apart: a share of a segment isn't a time.
+        let key = |time: f64| (time, slide(velocity * time) * from);
+        object.to_world = Motion::keyed(vec![key(-1.0), key(2.0)]).expect("two keys in order");
         let mut description = flat(ROW, vec![object]);
         description.camera.shutter = shutter(opening, close);
         description
