@@ -297,6 +297,34 @@ proptest! {
 }
 
 #[test]
+fn the_ends_of_segments_that_an_object_hides_are_occluded() {
+    let rng = &mut Pcg64::seed_from_u64(0);
+    let (mut hidden, mut open) = (0, 0);
+    for _ in 0..100 {
+        let accel = Accel::new((0..20).map(|_| object(rng)).collect(), [0.0, 1.0]);
+        let rays = rays(rng, 300);
+        let mut hits = Vec::new();
+        accel.closest(&rays, &mut hits);
+        let leaving = |(ray, hit): (&Ray, &Option<Hit>)| {
+            let way = inside(rng, 1.0).as_vec3().normalize();
+            let (surface, object) = (accel.interaction(ray, hit.as_ref()?).surface, hit.as_ref()?.object);
+            Some((object, Ray { t_max: 4.0 * rng.random::<f32>(), ..surface.spawn(way, ray.time) }))
+        };
+        let (objects, segments): (Vec<u32>, Vec<Ray>) = rays.iter().zip(&hits).filter_map(leaving).unzip();
+        let mut blocked = Vec::new();
+        accel.occluded(&segments, &mut blocked);
+        for ((object, segment), blocked) in objects.into_iter().zip(&segments).zip(blocked) {
+            let hides = accel.objects()[object as usize].hides(segment);
+            assert!(blocked || !hides);
+            hidden += u32::from(hides);
+            open += u32::from(!hides);
+        }
+    }
+    // Half of the objects rest, and half of these are round or cubes, which hide what is on their other side.
+    assert!(hidden > 100 && open > 1000, "{hidden} {open}");
+}
+
+#[test]
 fn a_motion_that_rests_changes_no_hit() {
     let rng = &mut Pcg64::seed_from_u64(0);
     let shapes: Vec<Shape> = (0..12).map(|_| object(rng).shape).collect();
