@@ -134,7 +134,7 @@ impl Connector<'_> {
                     connect(lane, contribution, ray);
                 }
             } else if let Some(sample) = samples.get(lane, time) {
-                // Half of all light points are behind a body of glass, and what it makes of them is dear.
+                // Three of five light points of ground glass are behind its own body, and what it makes of one is dear.
                 let object = &self.scene.accel.objects()[surface.interaction.object as usize];
                 if object.hides(&sample.shadow_ray) {
                     continue;
