@@ -129,9 +129,6 @@ impl Object {
     }
 }
 
-/// Half a unit in the last place of an f32 number of 1.
-const HALF_ULP: f64 = 0.5 * f32::EPSILON as f64;
-
 /// A ray in the space that `pose` maps to the render frame.
 fn to_own(pose: &Pose, ray: &Ray) -> Ray {
     Ray {
@@ -151,31 +148,32 @@ fn back(offset: DVec3, ray: &Ray) -> Ray {
 #[inline]
 fn shift(surface: &mut SurfacePoint, offset: DVec3) {
     let own = surface.point.as_dvec3();
-    let point = (own + offset).as_vec3();
-    let own_error = surface.error.as_dvec3() + own.abs() * (HALF_ULP * 1.001);
-    let error =
-        own_error + point.as_dvec3().abs() * HALF_ULP + (own.abs() + offset.abs()) * (32.0 * f64::EPSILON);
+    place(surface, own + offset, own.abs() + offset.abs(), |error| error);
+}
+
+/// Puts a point of a surface to `to`, with the error bound that holds for rays traced in the shape's own space.
+///
+/// * `scale`: sizes that the map rounds; * `magnitudes`: how far an error in the shape's space reaches.
+#[inline]
+fn place(surface: &mut SurfacePoint, to: DVec3, scale: DVec3, magnitudes: impl Fn(DVec3) -> DVec3) {
+    let point = to.as_vec3();
+    // A ray that starts here is rounded to f32 in the shape's space, by half a unit in the last place of each coordinate,
+    // on top of the surface's own error; this point is rounded too, and the f64 map rounds sizes like `scale`.
+    let half_ulp = f64::from(0.5 * f32::EPSILON);
+    let own_error = surface.error.as_dvec3() + surface.point.as_dvec3().abs() * (half_ulp * 1.001);
+    let error = magnitudes(own_error) + point.as_dvec3().abs() * half_ulp + scale * (32.0 * f64::EPSILON);
     (surface.point, surface.error) = (point, error.as_vec3() * (1.0 + f32::EPSILON));
 }
 
-/// The image of a point of a surface, with the error bound that holds for rays traced in the shape's own space.
+/// The image of a point of a surface.
 fn moved(surface: &SurfacePoint, Pose { map, inverse }: &Pose) -> SurfacePoint {
     let m = map.matrix3;
     let normal_map = inverse.transpose();
     let turn = |n: Vec3| (normal_map * n.as_dvec3()).normalize().as_vec3();
     let own = surface.point.as_dvec3();
-    let point = map.transform_point3(own).as_vec3();
-    // A ray that starts here is rounded to f32 in the shape's space, by half a unit in the last place of each coordinate,
-    // on top of the surface's own error; this point is rounded too, and the f64 map rounds sizes like `scale`.
-    let own_error = surface.error.as_dvec3() + own.abs() * (HALF_ULP * 1.001);
     let magnitudes = glam::DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     let scale: DVec3 = magnitudes * own.abs() + map.translation.abs();
-    let error = magnitudes * own_error + point.as_dvec3().abs() * HALF_ULP + scale * (32.0 * f64::EPSILON);
-    SurfacePoint {
-        point,
-        error: error.as_vec3() * (1.0 + f32::EPSILON),
-        ng: turn(surface.ng),
-        n: turn(surface.n),
-        uv: surface.uv,
-    }
+    let mut image = SurfacePoint { ng: turn(surface.ng), n: turn(surface.n), ..*surface };
+    place(&mut image, map.transform_point3(own), scale, |error| magnitudes * error);
+    image
 }

@@ -208,12 +208,8 @@ impl Shape {
     /// Whether a ray that has left the shape meets it again: what one test tells of those that can be met again.
     #[inline]
     pub fn meets_again(&self, ray: &Ray) -> bool {
-        match self {
-            Self::Sphere(s) => s.intersect(ray).is_some(),
-            Self::Cylinder(c) => c.intersect(ray).is_some(),
-            Self::Cube(c) => c.intersect(ray).is_some(),
-            Self::Rectangle(_) | Self::Disk(_) | Self::Mesh(_) => false,
-        }
+        matches!(self, Self::Sphere(_) | Self::Cylinder(_) | Self::Cube(_))
+            && self.intersect(0, ray).is_some()
     }
 
     /// The surface at a hit that `intersect` found with the same ray.
