@@ -1,12 +1,13 @@
 //! Rank 2: rays and the records of their hits.
 
 use glam::Vec3;
-use wide::f32x8;
+use wide::{f32x8, f64x8};
 
-use crate::math::eight::DVec3x8;
+use crate::math::eight::Eight;
 
-/// A half-line, or a segment where `t_max` is finite.
+/// A half-line, or a segment where `t_max` is finite; eight numbers in a row, so that rays are put side by side by a transposition.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Where it starts.
     pub origin: Vec3,
@@ -30,15 +31,38 @@ impl Ray {
     }
 }
 
-/// Eight rays side by side, as shapes are tested against them.
+/// Eight rays side by side; shapes are tested against them in f64.
 #[derive(Debug, Clone, Copy)]
-pub struct EightRays {
+pub struct EightRays<T = f64x8> {
     /// Where they start.
-    pub origin: DVec3x8,
+    pub origin: Eight<T>,
     /// Their directions.
-    pub direction: DVec3x8,
+    pub direction: Eight<T>,
     /// Hits are looked for in (0, `t_max`).
     pub t_max: f32x8,
+    /// The moments at which the scene is seen.
+    pub time: f32x8,
+}
+
+impl EightRays<f32x8> {
+    /// Up to eight rays; the other lanes hold rays from 0 along (1, 1, 1).
+    #[inline]
+    pub fn new(rays: &[Ray]) -> Self {
+        let mut rows = [f32x8::new([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0]); 8];
+        for (row, ray) in rows.iter_mut().zip(rays) {
+            let Ray { origin: o, direction: d, t_max, time } = *ray;
+            *row = f32x8::new([o.x, o.y, o.z, d.x, d.y, d.z, t_max, time]);
+        }
+        let [ox, oy, oz, dx, dy, dz, t_max, time] = f32x8::transpose(rows);
+        Self { origin: Eight([ox, oy, oz]), direction: Eight([dx, dy, dz]), t_max, time }
+    }
+
+    /// The same rays in f64.
+    #[inline]
+    pub fn widened(self) -> EightRays {
+        let Self { origin, direction, t_max, time } = self;
+        EightRays { origin: origin.widened(), direction: direction.widened(), t_max, time }
+    }
 }
 
 /// Where a ray met the scene.

@@ -115,6 +115,11 @@ fn every_element(objects: &[Object], ray: &Ray) -> Option<(f32, u32, u32)> {
     first
 }
 
+/// Numbers of objects below and above the one from which on they get a tree, those of them that move, too.
+fn few_or_many() -> impl Strategy<Value = usize> {
+    prop_oneof![0usize..20, 200usize..300]
+}
+
 fn rays(rng: &mut Pcg64, count: u32) -> Vec<Ray> {
     let one = |i: u32| {
         let (origin, aim) = (inside(rng, 8.0), inside(rng, 4.0));
@@ -131,7 +136,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_tree_finds_what_trying_every_element_finds(seed: u64, count in 0usize..20) {
+    fn the_tree_finds_what_trying_every_element_finds(seed: u64, count in few_or_many()) {
         let rng = &mut Pcg64::seed_from_u64(seed);
         let objects: Vec<Object> = (0..count).map(|_| object(rng)).collect();
         let accel = Accel::new(objects, [0.0, 1.0]);
@@ -152,7 +157,7 @@ proptest! {
     }
 
     #[test]
-    fn rays_that_go_together_find_what_each_finds_alone(seed: u64, count in 1usize..20, spread in 0f64..0.02) {
+    fn rays_that_go_together_find_what_each_finds_alone(seed: u64, count in few_or_many(), spread in 0f64..0.02) {
         let rng = &mut Pcg64::seed_from_u64(seed);
         let mut objects: Vec<Object> = (0..count).map(|_| object(rng)).collect();
         // Large enough for packets.
@@ -161,11 +166,11 @@ proptest! {
         objects.push(Object::still(bumpy.expect("a regular shape")));
         let accel = Accel::new(objects, [0.0, 1.0]);
         let mut rays = Vec::new();
-        for bundle in 0..40 {
+        for bundle in 0..20 {
             let (origin, aim) = (inside(rng, 12.0), inside(rng, if bundle % 2 == 0 { 0.5 } else { 3.0 }));
             // Along an axis, some rays of a bundle point to its other side, or have no part along it.
             let axis = bundle % 4 == 0;
-            for ray in 0..19 {
+            for ray in 0..40 {
                 let start = origin + if bundle % 2 == 0 { DVec3::ZERO } else { inside(rng, 0.1) };
                 let turn = inside(rng, spread) * f64::from(ray % 3);
                 let way = if axis { DVec3::X + turn } else { (aim - origin).normalize() + turn };
@@ -176,7 +181,7 @@ proptest! {
         let (mut hits, mut blocked) = (Vec::new(), Vec::new());
         accel.closest(&rays, &mut hits);
         accel.occluded(&rays, &mut blocked);
-        prop_assert!(hits.iter().any(Option::is_some) && hits.iter().any(Option::is_none));
+        prop_assert!(hits.iter().any(Option::is_some));
         for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
             let (mut hit_alone, mut blocked_alone) = (Vec::new(), Vec::new());
             accel.closest(std::slice::from_ref(ray), &mut hit_alone);
@@ -339,52 +344,6 @@ fn a_motion_that_rests_changes_no_hit() {
     moving.closest(&rays, &mut b);
     assert_eq!(a, b);
     assert!(a.iter().flatten().count() > 100);
-}
-
-#[test]
-fn motions_pass_through_their_keys_the_short_way() {
-    let turn = |angle| DAffine3::from_axis_angle(DVec3::Z, angle);
-    let shift = DAffine3::from_translation(DVec3::X);
-    let keys = vec![(1.0, turn(0.0)), (2.0, turn(1.0)), (4.0, shift)];
-    let motion = Motion::keyed(keys.clone()).unwrap();
-    for (time, key) in keys {
-        assert_eq!(motion.at(time), key);
-    }
-    assert_eq!((motion.at(-9.0), motion.at(9.0)), (turn(0.0), shift));
-    for (from, to, half) in [(0.0, 1.0, 0.5), (0.1, 2.0 * PI, 0.05), (0.0, 1e-9, 5e-10), (-1.0, 2.1, 0.55)] {
-        let motion = Motion::keyed(vec![(0.0, turn(from)), (1.0, turn(to))]).unwrap();
-        let want = turn(half).to_cols_array();
-        let got = motion.at(0.5).to_cols_array();
-        // A dozen roundings of numbers up to 1.
-        assert!(want.iter().zip(got).all(|(a, b)| (a - b).abs() < 16.0 * f64::EPSILON), "{from} {to}");
-    }
-    let sheared = DAffine3::from_cols_array(&[2.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
-    let mirrored = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
-    let through = Motion::keyed(vec![(0.0, sheared), (1.0, sheared * turn(2.0))]).unwrap();
-    for i in 0..=10 {
-        assert!(through.at(f64::from(i) / 10.0).matrix3.determinant() > 0.5);
-    }
-    assert!(Motion::keyed(vec![(0.0, turn(0.0)), (1.0, mirrored)]).is_err());
-    assert!(Motion::keyed(vec![(0.0, shift), (0.0, shift)]).is_err());
-    assert!(Motion::keyed(vec![]).is_err());
-    assert!(Motion::keyed(vec![(f64::NAN, shift)]).is_err());
-}
-
-#[test]
-fn motions_say_how_far_they_shift_if_that_is_all() {
-    let shift = |x| DAffine3::from_translation(DVec3::new(x, 1.0, -x));
-    let turn = DAffine3::from_axis_angle(DVec3::Z, 1.0);
-    let motion = Motion::keyed(vec![(1.0, shift(0.0)), (2.0, shift(3.0)), (4.0, shift(-1.0))]).unwrap();
-    for time in [-1.0, 1.0, 1.3, 2.0, 3.7, 4.0, 9.0] {
-        assert_eq!(motion.offset(time), Some(motion.at(time).translation), "{time}");
-    }
-    let turned = Motion::keyed(vec![(0.0, shift(1.0) * turn), (1.0, shift(2.0) * turn)]).unwrap();
-    assert_eq!(turned.offset(0.5), None);
-    let (start, rest) = turned.shift_from(0.5).unwrap();
-    assert_eq!(start, turned.at(0.5));
-    assert_eq!(rest.offset(1.0), Some(DVec3::new(0.5, 0.0, -0.5)));
-    let turning = Motion::keyed(vec![(0.0, shift(0.0)), (1.0, turn)]).unwrap();
-    assert!(turning.offset(0.5).is_none() && turning.shift_from(0.0).is_none());
 }
 
 #[test]

@@ -2,55 +2,46 @@
 
 use wide::f32x8;
 
-use super::group::Context;
-use super::node::{Bounds32, SLACK, met};
+use super::group::{Context, Group};
+use super::node::{Boxes, SLACK, inverses, met};
 use super::packet::{ALL, RAYS, lanes_of};
 use super::walk::{Found, Mode, Search, Tree};
-use crate::math::eight::Eight;
 use crate::ray::{EightRays, Ray};
 
 /// Leaves up to which a tree is walked like this; measured in benches/README.md.
 pub(super) const LEAVES: usize = 64;
 
-/// A leaf of a tree with its box.
-#[derive(Debug)]
+/// A leaf of a tree.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
-    pub(super) bounds: Bounds32,
     pub(super) index: usize,
     /// Index of its first item, which is the only one if that isn't a triangle.
     pub(super) first: usize,
     pub(super) has_triangles: bool,
 }
 
-/// The leaves of a small tree.
+/// The leaves of a small tree with their boxes, in the order of visits.
 #[derive(Debug)]
-pub(super) struct Few(Vec<Leaf>);
+pub(super) struct Few<N: Boxes>(pub(super) Vec<(N::Bounds, Leaf)>);
 
-impl Few {
-    /// The leaves of a tree.
-    pub(super) fn new(mut leaves: Vec<Leaf>) -> Self {
-        // What costs little comes first, and leaves less to the rest.
-        leaves.sort_by_key(|leaf| leaf.has_triangles);
-        Self(leaves)
-    }
-
+impl<N: Boxes> Few<N> {
     /// Walks one to eight rays, and puts what they find into `searches`. Each visits the leaves that hold what it hits, as it does
     /// alone, so it finds the same.
     #[inline]
     pub(super) fn walk<M: Mode>(
         &self,
-        tree: &Tree,
+        tree: &Tree<N>,
         rays: &[Ray],
         searches: &mut [Search; RAYS],
         context: &mut Context,
     ) {
-        let mut lanes = Lanes::new(rays);
+        let mut lanes = Lanes::new(tree.group, rays);
         for (search, ray) in searches.iter_mut().zip(rays) {
             search.restart(ray);
         }
         let mut walking = ALL >> (RAYS - rays.len());
-        for leaf in &self.0 {
-            let mut met = lanes.meet(&leaf.bounds) & walking;
+        for (bounds, leaf) in &self.0 {
+            let mut met = lanes.meet::<N>(bounds) & walking;
             if met == 0 {
                 continue;
             }
@@ -87,36 +78,31 @@ struct Lanes {
     rays: EightRays,
     origin: [f32x8; 3],
     inverse: [f32x8; 3],
+    /// How far through their tree's span of time.
+    through: f32x8,
 }
 
 impl Lanes {
     /// Up to eight rays; what the other lanes hold doesn't matter.
     #[inline]
-    fn new(rays: &[Ray]) -> Self {
-        let [mut origin, mut direction] = [Eight([f32x8::ONE; 3]); 2];
-        let mut t_max = f32x8::ZERO;
-        for (lane, ray) in rays.iter().enumerate().take(RAYS) {
-            origin.set(lane, ray.origin);
-            direction.set(lane, ray.direction);
-            t_max.as_mut_array()[lane] = ray.t_max;
+    fn new(group: &Group<impl Boxes>, rays: &[Ray]) -> Self {
+        let mut through = f32x8::ZERO;
+        for (lane, ray) in through.as_mut_array().iter_mut().zip(rays) {
+            *lane = group.place(ray).1;
         }
-        // As in `Slab::new`.
-        let (lowest, highest) = (f32x8::splat(f32::MIN), f32x8::splat(f32::MAX));
-        let inverse = |d: f32x8| (f32x8::ONE / d).fast_max(lowest).fast_min(highest);
-        Self {
-            rays: EightRays { origin: origin.widened(), direction: direction.widened(), t_max },
-            origin: origin.0,
-            inverse: direction.map(inverse).0,
-        }
+        let rays = EightRays::new(rays);
+        Self { rays: rays.widened(), origin: rays.origin.0, inverse: inverses(rays.direction).0, through }
     }
 
     /// Which rays meet a box before their `t_max`, as bits: none that hits what is in it is left out, by the reckoning of `SLACK`.
     #[inline]
-    fn meet(&self, bounds: &Bounds32) -> u32 {
-        let distance = |axis: usize, side: f32| (f32x8::splat(side) - self.origin[axis]) * self.inverse[axis];
+    fn meet<N: Boxes>(&self, bounds: &N::Bounds) -> u32 {
+        let distance = |axis: usize, which: usize| {
+            (N::side_of(bounds, axis, which, self.through) - self.origin[axis]) * self.inverse[axis]
+        };
         // As `limit`.
         let limits = (self.rays.t_max * SLACK).fast_min(f32x8::splat(f32::MAX));
-        met(|axis| [bounds.min, bounds.max].map(|side| distance(axis, side[axis])), limits).0
+        met(|axis| [distance(axis, 0), distance(axis, 1)], limits).0
     }
 }
 
@@ -173,7 +159,7 @@ mod tests {
         let (objects, rays) = (objects(), rays());
         let swept: Vec<_> = objects.iter().map(|o| o.motion.as_ref().map(|_| o.bounds([0.0, 1.0]))).collect();
         let group = Group::of_scene(&objects, &swept);
-        let few = group.few.as_ref().unwrap();
+        assert_eq!(group.few.len(), 1);
         let inner: Vec<_> = objects.iter().map(|_| None).collect();
         let context = &mut Context::new(&objects, &inner);
         // All, and numbers that aren't multiples of eight.
@@ -181,11 +167,11 @@ mod tests {
             let rays = &rays[..count];
             let (mut alone, mut together) = (vec![None; count], vec![None; count]);
             group.walk_each::<Closest>(rays, context, |i, found| alone[i] = found.hit(&group));
-            group.walk_few::<Closest>(few, rays, context, |i, found| together[i] = found.hit(&group));
+            group.walk_few::<Closest>(rays, context, |i, found| together[i] = found.hit(&group));
             assert_eq!(alone, together);
             let (mut each, mut few_at_once) = (vec![false; count], vec![false; count]);
             group.walk_each::<Any>(rays, context, |i, found| each[i] = found.is_blocked());
-            group.walk_few::<Any>(few, rays, context, |i, found| few_at_once[i] = found.is_blocked());
+            group.walk_few::<Any>(rays, context, |i, found| few_at_once[i] = found.is_blocked());
             assert_eq!(each, few_at_once);
             assert!(each.iter().zip(&alone).all(|(any, hit)| *any == hit.is_some()));
             let met = |object: usize| alone.iter().flatten().any(|hit| hit.object as usize == object);

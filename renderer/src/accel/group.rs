@@ -11,7 +11,7 @@ use super::block::{BlockMemory, block};
 use super::collapse::{WideTree, collapse};
 use super::few::{Few, LEAVES, Leaf};
 use super::memory::Array;
-use super::node::{Bounds32, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
+use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
 use super::packet::{Packet, RAYS, Waiting};
 use super::turns;
@@ -44,18 +44,21 @@ struct Item {
 
 /// Items under their tree, in one space.
 #[derive(Debug)]
-pub(super) struct Group {
-    pub(super) root: Child,
-    nodes: Array<NodeMemory>,
-    blocks: Array<BlockMemory>,
-    /// Object and element of each item in the order of the blocks.
-    ids: Array<[u32; 2]>,
-    /// The leaves, if they are few.
-    pub(super) few: Option<Few>,
+pub(super) struct Group<N: Boxes = NodeMemory> {
+    /// Which tree a ray walks, and where that begins.
+    pub(super) clock: N::Clock,
+    pub(super) roots: Vec<Child>,
+    pub(super) nodes: Array<N>,
+    /// The leaves; none if no item is a triangle.
+    pub(super) blocks: Array<BlockMemory>,
+    /// Object and element of each item in the order of the leaves.
+    pub(super) ids: Array<[u32; 2]>,
+    /// The leaves of each tree, if they are few.
+    pub(super) few: Vec<Few<N>>,
     /// What a walk's stack may hold.
     pub(super) stack: usize,
     /// Whether the space is an object's own.
-    is_inner: bool,
+    pub(super) is_inner: bool,
 }
 
 /// What the queries need besides the group: the objects, the groups of the moving ones, and memory to use.
@@ -65,14 +68,13 @@ pub(super) struct Context<'a> {
     pub(super) inner: &'a [Option<Group>],
     pub(super) stack: Vec<Entry>,
     pub(super) inner_stack: Vec<Entry>,
-    pub(super) moving_stack: Vec<Entry>,
     pub(super) waiting: Vec<Waiting>,
 }
 
 impl<'a> Context<'a> {
     pub(super) fn new(objects: &'a [Object], inner: &'a [Option<Group>]) -> Self {
-        let (stack, inner_stack, moving_stack, waiting) = Default::default();
-        Self { objects, inner, stack, inner_stack, moving_stack, waiting }
+        let (stack, inner_stack, waiting) = Default::default();
+        Self { objects, inner, stack, inner_stack, waiting }
     }
 
     /// The hit of a moving object.
@@ -132,22 +134,44 @@ impl Group {
             }
             block(&lanes[..items.len()], first(leaf))
         };
-        let blocks = Array::new(leaf_ends.len(), leaf);
+        let has_triangles = list.iter().any(|item| item.triangle.is_some());
+        let blocks = Array::new(if has_triangles { leaf_ends.len() } else { 0 }, leaf);
         let boxed = |index: usize| {
             let items = items(index).iter().map(|&item| &list[item as usize]);
             let bounds = items.clone().fold(Bounds::EMPTY, |all, item| all.union(&item.bounds));
             let has_triangles = items.clone().any(|item| item.triangle.is_some());
-            Leaf { bounds: Bounds32::padded(&bounds), index, first: first(index) as usize, has_triangles }
+            (Bounds32::padded(&bounds), Leaf { index, first: first(index) as usize, has_triangles })
         };
-        let few = (leaf_ends.len() <= LEAVES).then(|| Few::new((0..leaf_ends.len()).map(boxed).collect()));
+        let few = (leaf_ends.len() <= LEAVES).then(|| {
+            let mut leaves: Vec<(Bounds32, Leaf)> = (0..leaf_ends.len()).map(boxed).collect();
+            // What costs little comes first, and leaves less to the rest.
+            leaves.sort_by_key(|(_, leaf)| leaf.has_triangles);
+            Few(leaves)
+        });
         let nodes = Array::new(nodes.len(), |index| nodes[index].to_memory());
         let ids = Array::new(order.len(), |i| list[order[i] as usize].id);
-        Self { root, nodes, blocks, ids, few, stack: 7 * depth + 1, is_inner: false }
+        let few = few.into_iter().collect();
+        Self { clock: (), roots: vec![root], nodes, blocks, ids, few, stack: 7 * depth + 1, is_inner: false }
+    }
+}
+
+impl<N: Boxes> Group<N> {
+    /// The index of the tree that a ray walks, and how far through that tree's span of time it is.
+    #[inline]
+    pub(super) fn place(&self, ray: &Ray) -> (usize, f32) {
+        N::place(&self.clock, ray)
+    }
+
+    /// The root of that tree instead of its index.
+    #[inline]
+    pub(super) fn start(&self, ray: &Ray) -> (Child, f32) {
+        let (index, through) = self.place(ray);
+        (self.roots[index], through)
     }
 
     /// The group with its arrays at hand.
     #[inline]
-    pub(super) fn tree(&self) -> Tree<'_> {
+    pub(super) fn tree(&self) -> Tree<'_, N> {
         Tree { group: self, nodes: self.nodes.as_slice(), blocks: self.blocks.as_slice() }
     }
 
@@ -163,9 +187,10 @@ impl Group {
 
     /// Number of boxes that the ray meets before `reach`: around nodes, and around leaves.
     pub(super) fn boxes_met(&self, ray: &Ray, reach: f32) -> [u64; 2] {
-        let (slab, tree) = (Slab::new(ray), self.tree());
+        let (root, through) = self.start(ray);
+        let (slab, tree) = (Slab::new(ray, through), self.tree());
         let mut met = [0; 2];
-        let mut waiting = vec![self.root];
+        let mut waiting = vec![root];
         while let Some(child) = waiting.pop() {
             if child.leaf().is_none() {
                 let node = tree.node(child);
@@ -195,7 +220,7 @@ impl Group {
         let (packets, others) = rays.as_chunks::<RAYS>();
         let mut index = 0..;
         for rays in packets {
-            if let Some(packet) = Packet::new(rays) {
+            if let Some(packet) = Packet::new(self, rays) {
                 let found = packet.walk::<M>(&tree, rays, &mut waiting, context);
                 found.iter().zip(&mut index).for_each(|(found, index)| done(index, found));
             } else {
@@ -210,16 +235,16 @@ impl Group {
         (context.stack, context.waiting) = (stack, waiting);
     }
 
-    /// Walks rays through few leaves and calls `done` as `walk_each` does.
+    /// Walks rays of one tree through its few leaves and calls `done` as `walk_each` does.
     #[inline]
     pub(super) fn walk_few<M: Mode>(
         &self,
-        few: &Few,
         rays: &[Ray],
         context: &mut Context,
         mut done: impl FnMut(usize, &Search),
     ) {
         let Some(first) = rays.first() else { return };
+        let few = &self.few[self.place(first).0];
         let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); RAYS], 0..);
         for rays in rays.chunks(RAYS) {
             few.walk::<M>(&tree, rays, &mut searches, context);
@@ -227,31 +252,40 @@ impl Group {
         }
     }
 
-    /// The nearest hit of each ray.
-    pub(super) fn closest(&self, rays: &[Ray], context: &mut Context, hits: &mut [Option<Hit>]) {
-        if self.root == Child::NONE {
+    /// Calls `done` with the index of each ray and its nearest hit.
+    #[inline]
+    pub(super) fn closest(
+        &self,
+        rays: &[Ray],
+        context: &mut Context,
+        mut done: impl FnMut(usize, Option<Hit>),
+    ) {
+        if self.ids.as_slice().is_empty() {
             return;
         }
-        if let Some(few) = &self.few {
-            self.walk_few::<Closest>(few, rays, context, |i, found| hits[i] = found.hit(self));
+        let done = |i: usize, found: &Search| done(i, found.hit(self));
+        if !self.few.is_empty() {
+            self.walk_few::<Closest>(rays, context, done);
         } else if self.is_cached() || are_coherent(rays) {
-            self.walk_each::<Closest>(rays, context, |i, found| hits[i] = found.hit(self));
+            self.walk_each::<Closest>(rays, context, done);
         } else {
-            turns::walk::<Closest>(self, rays, context, |i, found| hits[i] = found.hit(self));
+            turns::walk::<Closest>(self, rays, context, done);
         }
     }
 
-    /// Whether anything is hit.
-    pub(super) fn occluded(&self, rays: &[Ray], context: &mut Context, blocked: &mut [bool]) {
-        if self.root == Child::NONE {
+    /// Calls `done` with the index of each ray and whether it hits anything.
+    #[inline]
+    pub(super) fn occluded(&self, rays: &[Ray], context: &mut Context, mut done: impl FnMut(usize, bool)) {
+        if self.ids.as_slice().is_empty() {
             return;
         }
-        if let Some(few) = &self.few {
-            self.walk_few::<Any>(few, rays, context, |i, found| blocked[i] = found.is_blocked());
+        let done = |i: usize, found: &Search| done(i, found.is_blocked());
+        if !self.few.is_empty() {
+            self.walk_few::<Any>(rays, context, done);
         } else if self.is_cached() || are_coherent(rays) {
-            self.walk_each::<Any>(rays, context, |i, found| blocked[i] = found.is_blocked());
+            self.walk_each::<Any>(rays, context, done);
         } else {
-            turns::walk::<Any>(self, rays, context, |i, found| blocked[i] = found.is_blocked());
+            turns::walk::<Any>(self, rays, context, done);
         }
     }
 
@@ -286,7 +320,10 @@ impl Group {
     #[inline]
     pub(super) fn other_eight(&self, index: usize, rays: &EightRays, context: &Context) -> Option<EightHits> {
         let object = &context.objects[self.ids.as_slice()[index][0] as usize];
-        if object.motion.is_some() && !self.is_inner { None } else { object.shape.intersect_eight(rays) }
+        match &object.motion {
+            Some(_) if !self.is_inner => object.shape.intersect_eight(&object.to_object_eight(rays)?),
+            _ => object.shape.intersect_eight(rays),
+        }
     }
 }
 
@@ -308,7 +345,7 @@ fn elements(object: u32, shape: &Shape) -> impl Iterator<Item = Item> + '_ {
 
 /// Whether neighbours in the list point mostly the same way, within 25°, so that they find in the cache what the ray
 /// before has left there.
-fn are_coherent(rays: &[Ray]) -> bool {
+pub(super) fn are_coherent(rays: &[Ray]) -> bool {
     let pairs = rays.windows(2).step_by(8);
     let along = pairs.clone().filter(|p| p[0].direction.dot(p[1].direction) > 0.995).count();
     2 * along >= pairs.len()

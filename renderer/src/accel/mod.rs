@@ -97,11 +97,9 @@ impl Accel {
         hits.clear();
         hits.resize(rays.len(), None);
         let mut context = Context::new(&self.objects, &self.inner);
-        self.scene.closest(rays, &mut context, hits);
+        self.scene.closest(rays, &mut context, |i, hit| hits[i] = hit);
         if let Some(moving) = &self.moving {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = moving.closest(ray, *hit, &mut context);
-            }
+            moving.closest(rays, &mut context, hits);
         }
     }
 
@@ -110,11 +108,9 @@ impl Accel {
         out.clear();
         out.resize(rays.len(), false);
         let mut context = Context::new(&self.objects, &self.inner);
-        self.scene.occluded(rays, &mut context, out);
+        self.scene.occluded(rays, &mut context, |i, blocked| out[i] = blocked);
         if let Some(moving) = &self.moving {
-            for (ray, blocked) in rays.iter().zip(out) {
-                *blocked = *blocked || moving.occluded(ray, &mut context);
-            }
+            moving.occluded(rays, &mut context, out);
         }
     }
 

@@ -1,57 +1,78 @@
 //! Trees over moving objects whose boxes move with them.
 
+use std::ops::Range;
 use std::time::Duration;
 
 use glam::{DVec3, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
-use wide::f32x8;
+use wide::{f32x8, f32x16};
 
+use super::block::block;
 use super::collapse::{WideTree, collapse};
-use super::group::{BUILD, Context, comes_before};
-use super::node::{Child, Slab, WIDTH, limit};
+use super::few::{Few, LEAVES, Leaf};
+use super::group::{BUILD, Context, Group, are_coherent, comes_before};
+use super::memory::Array;
+use super::node::{Boxes, Child, WIDTH};
 use super::object::Object;
-use super::walk::{Closest, Entry, Pending};
 use crate::math::bounds::Bounds;
 use crate::ray::{Hit, Ray};
 
 /// A box at the start and one at the end of a segment of the shutter; in between it is interpolated.
 type Pair = [Bounds; 2];
 
-/// One tree for each of a number of equal segments of the shutter.
+/// Trees over moving objects, one for each of a number of equal segments of the shutter.
 #[derive(Debug)]
 pub(super) struct MovingTrees {
-    shutter: [f64; 2],
-    segments: Vec<Segment>,
-}
-
-#[derive(Debug)]
-struct Segment {
-    root: Child,
-    nodes: Vec<MovingNode>,
-    /// The object in each leaf.
-    objects: Vec<u32>,
-    stack: usize,
-    /// Half the surface areas of its boxes, averaged over the segment.
+    group: Group<MovingNode>,
+    /// Half the surface areas of all boxes, averaged over the shutter: what a random ray meets is proportional to it.
     area: f64,
 }
 
-/// Up to eight moving boxes with what is in them.
+/// Equal segments of the shutter.
+#[derive(Debug)]
+pub(super) struct Segments {
+    /// When the first begins, how many of them pass in a unit of time, and the index of the last.
+    open: f64,
+    rate: f64,
+    last: usize,
+}
+
+/// Up to eight moving boxes as they lie in memory, in eights: the sides as in a node at rest at the start, how far they move until
+/// the end, the children's bits, and nothing.
+type MovingNode = [f32x16; 7];
+
+/// A moving box: its lower and upper sides at the start, and how far they move until the end.
 #[derive(Debug, Clone, Copy)]
-#[repr(C, align(64))]
-struct MovingNode {
-    /// Lower and upper sides by axis at the start, and how far they move until the end.
-    sides: [[f32x8; 2]; 3],
-    change: [[f32x8; 2]; 3],
-    children: [Child; WIDTH],
+pub(super) struct MovingBounds {
+    sides: [Vec3; 2],
+    change: [Vec3; 2],
 }
 
 impl MovingTrees {
     /// The trees over the objects listed, with the shutter cut into `segments`.
     pub(super) fn new(objects: &[Object], listed: &[u32], shutter: [f64; 2], segments: u32) -> Self {
-        let times = cuts(shutter, segments);
-        let segment = |span: &[f64]| Segment::new(objects, listed, [span[0], span[1]]);
-        Self { shutter, segments: times.windows(2).map(segment).collect() }
+        let mut forest = Forest::default();
+        for span in cuts(shutter, segments).windows(2) {
+            let pairs = listed.iter().map(|&o| pair(&objects[o as usize], [span[0], span[1]]));
+            forest.plant(&pairs.collect::<Vec<_>>());
+        }
+        let Forest { roots, nodes, few, order, depth, area } = forest;
+        let group = Group {
+            clock: Segments {
+                open: shutter[0],
+                rate: f64::from(segments) / (shutter[1] - shutter[0]),
+                last: roots.len() - 1,
+            },
+            roots,
+            nodes: Array::new(nodes.len(), |index| nodes[index]),
+            blocks: Array::new(0, |_| block(&[], 0)),
+            ids: Array::new(order.len(), |leaf| [listed[order[leaf] as usize], 0]),
+            few,
+            stack: 7 * depth + 1,
+            is_inner: false,
+        };
+        Self { group, area: area / f64::from(segments) }
     }
 
     /// The trees with the fewest segments, a power of two, of which twice as many would not help much.
@@ -60,7 +81,7 @@ impl MovingTrees {
         let mut count = 2;
         while count <= MOST_SEGMENTS {
             let next = Self::new(objects, listed, shutter, count);
-            if next.mean_area() * SEGMENT_GAIN > best.mean_area() {
+            if next.area * SEGMENT_GAIN > best.area {
                 break;
             }
             best = next;
@@ -69,165 +90,195 @@ impl MovingTrees {
         best
     }
 
-    /// Half the surface areas of all boxes, averaged over the shutter: what a random ray meets is proportional to it.
-    fn mean_area(&self) -> f64 {
-        self.segments.iter().map(|s| s.area).sum::<f64>() / self.segments.len() as f64
+    /// Makes each hit the first of it and those on moving objects.
+    pub(super) fn closest(&self, rays: &[Ray], context: &mut Context, hits: &mut [Option<Hit>]) {
+        let reach = |i: usize| hits[i].map_or(rays[i].t_max, |hit| hit.t.next_up());
+        let (order, runs) = self.by_segment(rays, |_| true);
+        let queries: Vec<Ray> = order.iter().map(|&i| Ray { t_max: reach(i), ..rays[i] }).collect();
+        for run in runs {
+            self.group.closest(&queries[run.clone()], context, |i, found| {
+                let best = &mut hits[order[run.start + i]];
+                if let Some(hit) = found
+                    && best.is_none_or(|best| comes_before(&hit, &best))
+                {
+                    *best = found;
+                }
+            });
+        }
     }
 
-    /// The ray's segment and how far through it the ray is.
-    fn at(&self, ray: &Ray) -> (&Segment, f32) {
-        let [open, close] = self.shutter;
-        let count = self.segments.len();
-        let place = (f64::from(ray.time) - open) / (close - open) * count as f64;
+    /// Notes each ray that hits a moving object.
+    pub(super) fn occluded(&self, rays: &[Ray], context: &mut Context, blocked: &mut [bool]) {
+        let (order, runs) = self.by_segment(rays, |i| !blocked[i]);
+        let queries: Vec<Ray> = order.iter().map(|&i| rays[i]).collect();
+        for run in runs {
+            self.group
+                .occluded(&queries[run.clone()], context, |i, found| blocked[order[run.start + i]] = found);
+        }
+    }
+
+    /// The indices of the rays asked for, and the runs of them to walk one after the other: where trees are small or rays go
+    /// the same way those of one segment, else all.
+    fn by_segment(&self, rays: &[Ray], is_asked: impl Fn(usize) -> bool) -> (Vec<usize>, Vec<Range<usize>>) {
+        let asked = (0..rays.len()).filter(|&i| is_asked(i));
+        let count = self.group.roots.len();
+        if count == 1 || self.group.few.is_empty() && !are_coherent(rays) {
+            let order: Vec<usize> = asked.collect();
+            let all = 0..order.len();
+            return (order, vec![all]);
+        }
+        let asked: Vec<(usize, usize)> = asked.map(|i| (i, self.group.place(&rays[i]).0)).collect();
+        let mut ends = vec![0; count];
+        asked.iter().for_each(|&(_, segment)| ends[segment] += 1);
+        let mut end = 0;
+        let runs = ends.iter_mut().map(|count| {
+            let begin = end;
+            end += std::mem::replace(count, begin);
+            begin..end
+        });
+        let runs = runs.collect();
+        let mut order = vec![0; asked.len()];
+        for (i, segment) in asked {
+            order[ends[segment]] = i;
+            ends[segment] += 1;
+        }
+        (order, runs)
+    }
+
+    /// Number of boxes that the ray meets before `reach`: around nodes, and around leaves.
+    pub(super) fn boxes_met(&self, ray: &Ray, reach: f32) -> [u64; 2] {
+        self.group.boxes_met(ray, reach)
+    }
+}
+
+impl Boxes for MovingNode {
+    type Bounds = MovingBounds;
+    type Clock = Segments;
+
+    #[inline]
+    fn place(segments: &Segments, ray: &Ray) -> (usize, f32) {
+        let place = (f64::from(ray.time) - segments.open) * segments.rate;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "clamped to the segments"
         )]
-        let index = (place.max(0.0) as usize).min(count - 1);
+        let index = (place.max(0.0) as usize).min(segments.last);
         #[expect(clippy::cast_possible_truncation, reason = "boxes are grown by its rounding")]
         let through = (place - index as f64).clamp(0.0, 1.0) as f32;
-        (&self.segments[index], through)
+        (index, through)
     }
 
-    /// The first of `best` and the hits of moving objects.
-    pub(super) fn closest(&self, ray: &Ray, mut best: Option<Hit>, context: &mut Context) -> Option<Hit> {
-        let mut query = Ray { t_max: best.map_or(ray.t_max, |hit| hit.t.next_up()), ..*ray };
-        self.search(&query.clone(), context, |object, context| {
-            if let Some(hit) = context.object(object, &query)
-                && best.is_none_or(|best| comes_before(&hit, &best))
-            {
-                best = Some(hit);
-                query.t_max = hit.t.next_up();
-            }
-            Some(query.t_max)
-        });
-        best
+    #[inline]
+    fn child(&self, slot: usize) -> Child {
+        let eights: &[[u32; WIDTH]; 14] = bytemuck::cast_ref(self);
+        Child::from_bits(u64::from(eights[12][slot]))
     }
 
-    /// Whether a moving object is hit.
-    pub(super) fn occluded(&self, ray: &Ray, context: &mut Context) -> bool {
-        let mut any = false;
-        self.search(ray, context, |object, context| {
-            any = context.object(object, ray).is_some();
-            (!any).then_some(ray.t_max)
-        });
-        any
+    #[inline]
+    fn sides(&self, axis: usize, which: usize, through: f32) -> f32x8 {
+        let eights: &[f32x8; 14] = bytemuck::cast_ref(self);
+        eights[6 + 2 * axis + which].mul_add(f32x8::splat(through), eights[2 * axis + which])
     }
 
-    /// Calls `visit` with each object whose box the ray meets before what `visit` returned last; `None` ends the search.
-    fn search(
-        &self,
-        ray: &Ray,
-        context: &mut Context,
-        mut visit: impl FnMut(u32, &mut Context) -> Option<f32>,
-    ) {
-        let (segment, through) = self.at(ray);
-        let slab = Slab::new(ray);
-        let mut stack = std::mem::take(&mut context.moving_stack);
-        stack.resize(segment.stack, Entry::default());
-        let mut pending = Pending { stack: &mut stack, bottom: 0, top: 0 };
-        let mut reach = limit(ray.t_max);
-        let mut next = segment.root;
-        while next != Child::NONE {
-            if let Some(leaf) = next.leaf() {
-                match visit(segment.objects[leaf], context) {
-                    Some(t_max) => reach = limit(t_max),
-                    None => break,
-                }
-                next = Child::NONE;
-            } else {
-                let node = &segment.nodes[next.node()];
-                let (mask, near) = node.enter(&slab, through, reach);
-                next = pending.choose::<Closest>(mask, &near, |slot| node.children[slot]);
-            }
-            if next == Child::NONE {
-                next = pending.pop::<Closest>(reach);
-            }
-        }
-        context.moving_stack = stack;
+    #[inline]
+    fn farthest_sides(&self, axis: usize, which: usize, through: [f32; 2]) -> f32x8 {
+        let [first, last] = through.map(|through| self.sides(axis, which, through));
+        if which == 0 { first.fast_min(last) } else { first.fast_max(last) }
     }
 
-    /// Number of boxes that the ray meets before `reach`: around nodes, and around leaves.
-    pub(super) fn boxes_met(&self, ray: &Ray, reach: f32) -> [u64; 2] {
-        let (segment, through) = self.at(ray);
-        let slab = Slab::new(ray);
-        let mut met = [0; 2];
-        let mut waiting = vec![segment.root];
-        while let Some(child) = waiting.pop() {
-            if child.leaf().is_none() {
-                let node = &segment.nodes[child.node()];
-                let (mask, _) = node.enter(&slab, through, limit(reach));
-                let slots = (0..WIDTH).filter(|slot| mask >> slot & 1 == 1);
-                for child in slots.map(|slot| node.children[slot]) {
-                    met[usize::from(child.leaf().is_some())] += 1;
-                    waiting.push(child);
-                }
-            }
-        }
-        met
+    #[inline]
+    fn side(&self, slot: usize, axis: usize, which: usize, through: f32x8) -> f32x8 {
+        let eights: &[[f32; WIDTH]; 14] = bytemuck::cast_ref(self);
+        let [side, change] = [0, 6].map(|first| f32x8::splat(eights[first + 2 * axis + which][slot]));
+        change.mul_add(through, side)
+    }
+
+    #[inline]
+    fn side_of(bounds: &MovingBounds, axis: usize, which: usize, through: f32x8) -> f32x8 {
+        let [side, change] = [bounds.sides, bounds.change].map(|sides| f32x8::splat(sides[which][axis]));
+        change.mul_add(through, side)
     }
 }
 
-impl Segment {
-    fn new(objects: &[Object], listed: &[u32], span: [f64; 2]) -> Self {
-        let pairs: Vec<Pair> = listed.iter().map(|&o| pair(&objects[o as usize], span)).collect();
+impl MovingBounds {
+    fn new(pair: &Pair) -> Self {
+        let [start, end] = pair.each_ref().map(padded);
+        Self { sides: start, change: [end[0] - start[0], end[1] - start[1]] }
+    }
+}
+
+/// Trees of several segments, one after the other.
+#[derive(Debug, Default)]
+struct Forest {
+    roots: Vec<Child>,
+    nodes: Vec<MovingNode>,
+    few: Vec<Few<MovingNode>>,
+    /// The item in each leaf.
+    order: Vec<u32>,
+    depth: usize,
+    /// Half the surface areas of the boxes, averaged over their segments.
+    area: f64,
+}
+
+impl Forest {
+    /// Adds the tree over items with these boxes.
+    fn plant(&mut self, pairs: &[Pair]) {
         let middle = |[a, b]: &Pair| Bounds { min: (a.min + b.min) * 0.5, max: (a.max + b.max) * 0.5 };
         let boxes: Vec<Aabb> = pairs.iter().map(|pair| aabb(&middle(pair))).collect();
         let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
-        // Each object has a leaf of its own.
+        // Each item has a leaf of its own.
         let wide = collapse(&binary, &|_| 8);
-        let mut segment = Self {
-            root: wide.root,
-            nodes: vec![MovingNode::new(&[]); wide.nodes.len()],
-            objects: wide.order.iter().map(|&item| listed[item as usize]).collect(),
-            stack: 7 * wide.depth + 1,
-            area: 0.0,
-        };
-        if wide.root != Child::NONE {
-            segment.bound(&wide, &pairs, wide.root);
+        let first = [self.nodes.len(), self.order.len()];
+        self.nodes.resize(first[0] + wide.nodes.len(), [f32x16::ZERO; 7]);
+        self.order.extend(&wide.order);
+        self.depth = self.depth.max(wide.depth);
+        self.bound(&wide, pairs, wide.root, first);
+        self.roots.push(wide.root.shifted(first[0], first[1]));
+        if pairs.len() <= LEAVES {
+            let leaf = |(leaf, &item): (usize, &u32)| {
+                let index = first[1] + leaf;
+                (MovingBounds::new(&pairs[item as usize]), Leaf { index, first: index, has_triangles: false })
+            };
+            self.few.push(Few(wide.order.iter().enumerate().map(leaf).collect()));
         }
-        segment
     }
 
-    /// Writes the boxes below a child; returns the one around it.
-    fn bound(&mut self, wide: &WideTree, pairs: &[Pair], child: Child) -> Pair {
+    /// Writes the boxes below a child of a tree whose nodes and leaves begin at `first`; returns the one around it.
+    fn bound(&mut self, wide: &WideTree, pairs: &[Pair], child: Child, first: [usize; 2]) -> Pair {
         if let Some(leaf) = child.leaf() {
             return pairs[wide.order[leaf] as usize];
         }
         let children = wide.nodes[child.node()].children().iter().filter(|c| **c != Child::NONE);
-        let list: Vec<(Pair, Child)> = children.map(|&c| (self.bound(wide, pairs, c), c)).collect();
-        self.nodes[child.node()] = MovingNode::new(&list);
+        let mut below = |&c: &Child| (self.bound(wide, pairs, c, first), c.shifted(first[0], first[1]));
+        let list: Vec<(Pair, Child)> = children.map(&mut below).collect();
+        self.nodes[first[0] + child.node()] = moving_node(&list);
         self.area += list.iter().map(|(pair, _)| mean_half_area(pair)).sum::<f64>();
         let around = |end: usize| list.iter().fold(Bounds::EMPTY, |all, (pair, _)| all.union(&pair[end]));
         [around(0), around(1)]
     }
 }
 
-impl MovingNode {
-    fn new(list: &[(Pair, Child)]) -> Self {
-        // As in `Node::new`.
-        let (mut sides, mut change) = ([[[f32::INFINITY; WIDTH]; 2]; 3], [[[0.0; WIDTH]; 2]; 3]);
-        let mut children = [Child::NONE; WIDTH];
-        for (slot, (pair, child)) in list.iter().enumerate() {
-            let [start, end] = pair.each_ref().map(padded);
-            for axis in 0..3 {
-                for side in 0..2 {
-                    sides[axis][side][slot] = start[side][axis];
-                    change[axis][side][slot] = end[side][axis] - start[side][axis];
-                }
+/// The node over children with their boxes, at most eight of them.
+fn moving_node(list: &[(Pair, Child)]) -> MovingNode {
+    // As in `Node::new`.
+    let (mut sides, mut change) = ([[[f32::INFINITY; WIDTH]; 2]; 3], [[[0.0; WIDTH]; 2]; 3]);
+    let mut children = [Child::NONE; WIDTH];
+    for (slot, (pair, child)) in list.iter().enumerate() {
+        let bounds = MovingBounds::new(pair);
+        for axis in 0..3 {
+            for side in 0..2 {
+                sides[axis][side][slot] = bounds.sides[side][axis];
+                change[axis][side][slot] = bounds.change[side][axis];
             }
-            children[slot] = *child;
         }
-        let wide = |all: [[[f32; WIDTH]; 2]; 3]| all.map(|axis| axis.map(f32x8::new));
-        Self { sides: wide(sides), change: wide(change), children }
+        children[slot] = *child;
     }
-
-    #[inline]
-    fn enter(&self, slab: &Slab, through: f32, limit: f32) -> (u32, f32x8) {
-        let through = f32x8::splat(through);
-        slab.enter(|axis, side| self.change[axis][side].mul_add(through, self.sides[axis][side]), limit)
-    }
+    let mut memory = [[0.0; WIDTH]; 14];
+    memory[..6].copy_from_slice(sides.as_flattened());
+    memory[6..12].copy_from_slice(change.as_flattened());
+    memory[12] = children.map(|child| f32::from_bits(child.bits()));
+    bytemuck::cast(memory)
 }
 
 /// The box in f32, grown for the rounding of hits on its contents (2⁻²¹ of its size, as for boxes at rest) and of the

@@ -1,9 +1,13 @@
 //! Nodes of eight boxes, and rays prepared for them.
 
+use std::fmt::Debug;
+
+use bytemuck::Pod;
 use glam::Vec3;
 use wide::{f32x8, f32x16};
 
 use crate::math::bounds::Bounds;
+use crate::math::eight::Vec3x8;
 use crate::ray::Ray;
 
 /// Children of a node.
@@ -88,8 +92,83 @@ pub(super) struct Node {
     children: [Child; WIDTH],
 }
 
-/// A node as it lies in memory: the sides, the children's bits, and nothing, in eights.
+/// A node as it lies in memory, with boxes that may depend on the time.
+pub(super) trait Boxes: Pod + Debug + Send + Sync {
+    /// A single box.
+    type Bounds: Copy + Debug + Send + Sync;
+
+    /// What tells the times of the trees.
+    type Clock: Debug;
+
+    /// The index of the tree to walk, and how far through its span of time the ray is.
+    fn place(clock: &Self::Clock, ray: &Ray) -> (usize, f32);
+
+    /// The child in a slot below 8.
+    fn child(&self, slot: usize) -> Child;
+
+    /// The lower (0) or upper (1) sides of all boxes along an axis at a time.
+    fn sides(&self, axis: usize, which: usize, through: f32) -> f32x8;
+
+    /// The lowest of the lower sides of each box, or the highest of the upper ones, between two times.
+    fn farthest_sides(&self, axis: usize, which: usize, through: [f32; 2]) -> f32x8;
+
+    /// A side of the box in a slot at eight times.
+    fn side(&self, slot: usize, axis: usize, which: usize, through: f32x8) -> f32x8;
+
+    /// A side of a box at eight times.
+    fn side_of(bounds: &Self::Bounds, axis: usize, which: usize, through: f32x8) -> f32x8;
+
+    /// Which boxes the ray meets before `limit` (bits), and how far away it enters each.
+    #[inline]
+    fn enter(&self, slab: &Slab, limit: f32) -> (u32, f32x8) {
+        let distances = |axis: usize| {
+            let (origin, inverse) = (f32x8::splat(slab.origin[axis]), f32x8::splat(slab.inverse[axis]));
+            [0, 1].map(|which| (self.sides(axis, which, slab.through) - origin) * inverse)
+        };
+        met(distances, f32x8::splat(limit))
+    }
+}
+
+/// A node at rest: the sides, the children's bits, and nothing, in eights.
 pub(super) type NodeMemory = [f32x16; 4];
+
+impl Boxes for NodeMemory {
+    type Bounds = Bounds32;
+    type Clock = ();
+
+    #[inline]
+    fn place((): &(), _: &Ray) -> (usize, f32) {
+        (0, 0.0)
+    }
+
+    #[inline]
+    fn child(&self, slot: usize) -> Child {
+        let eights: &[[u32; WIDTH]; 8] = bytemuck::cast_ref(self);
+        Child(eights[6][slot])
+    }
+
+    #[inline]
+    fn sides(&self, axis: usize, which: usize, _: f32) -> f32x8 {
+        let eights: &[f32x8; 8] = bytemuck::cast_ref(self);
+        eights[2 * axis + which]
+    }
+
+    #[inline]
+    fn farthest_sides(&self, axis: usize, which: usize, _: [f32; 2]) -> f32x8 {
+        self.sides(axis, which, 0.0)
+    }
+
+    #[inline]
+    fn side(&self, slot: usize, axis: usize, which: usize, _: f32x8) -> f32x8 {
+        let eights: &[[f32; WIDTH]; 8] = bytemuck::cast_ref(self);
+        f32x8::splat(eights[2 * axis + which][slot])
+    }
+
+    #[inline]
+    fn side_of(bounds: &Bounds32, axis: usize, which: usize, _: f32x8) -> f32x8 {
+        f32x8::splat([bounds.min, bounds.max][which][axis])
+    }
+}
 
 /// Four roundings within 2⁻²⁴ on each side of a comparison (a difference, the inverse, its slack, a product):
 /// 1 + 2·4·2⁻²⁴, rounded up.
@@ -132,36 +211,6 @@ impl Node {
     }
 }
 
-/// A node in memory.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct NodeRef<'a>(&'a [f32x8; 8]);
-
-impl<'a> NodeRef<'a> {
-    #[inline]
-    pub(super) fn new(memory: &'a NodeMemory) -> Self {
-        Self(bytemuck::cast_ref(memory))
-    }
-
-    /// The child in a slot below 8.
-    #[inline]
-    pub(super) fn child(self, slot: usize) -> Child {
-        let bits: &[u32; WIDTH] = bytemuck::cast_ref(&self.0[6]);
-        Child(bits[slot])
-    }
-
-    /// The lower (0) or upper (1) sides of the boxes along an axis.
-    #[inline]
-    pub(super) fn side(self, axis: usize, which: usize) -> f32x8 {
-        self.0[2 * axis + which]
-    }
-
-    /// Which boxes the ray meets before `limit` (bits), and how far away it enters each.
-    #[inline]
-    pub(super) fn enter(self, slab: &Slab, limit: f32) -> (u32, f32x8) {
-        slab.enter(|axis, which| self.side(axis, which), limit)
-    }
-}
-
 /// A box in f32.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bounds32 {
@@ -184,31 +233,29 @@ impl Bounds32 {
 pub(super) struct Slab {
     pub(super) origin: [f32; 3],
     pub(super) inverse: [f32; 3],
+    /// How far through its tree's span of time.
+    pub(super) through: f32,
 }
 
 impl Slab {
     #[inline]
-    pub(super) fn new(ray: &Ray) -> Self {
+    pub(super) fn new(ray: &Ray, through: f32) -> Self {
         // A finite inverse keeps 0 · ∞ out of `enter` where the origin lies in a side's plane.
         let inverse = ray.direction.recip().clamp(Vec3::MIN, Vec3::MAX);
-        Self { origin: ray.origin.to_array(), inverse: inverse.to_array() }
+        Self { origin: ray.origin.to_array(), inverse: inverse.to_array(), through }
     }
+}
 
-    /// Which of eight boxes the ray meets before `limit` (bits), and how far away it enters each; `side` gives their lower
-    /// (0) or upper (1) sides along an axis.
-    #[inline]
-    pub(super) fn enter(&self, side: impl Fn(usize, usize) -> f32x8, limit: f32) -> (u32, f32x8) {
-        let distances = |axis: usize| {
-            let (origin, inverse) = (f32x8::splat(self.origin[axis]), f32x8::splat(self.inverse[axis]));
-            [(side(axis, 0) - origin) * inverse, (side(axis, 1) - origin) * inverse]
-        };
-        met(distances, f32x8::splat(limit))
-    }
+/// As in `Slab::new`, for eight rays.
+#[inline]
+pub(super) fn inverses(direction: Vec3x8) -> Vec3x8 {
+    let (lowest, highest) = (f32x8::splat(f32::MIN), f32x8::splat(f32::MAX));
+    direction.map(|d| (f32x8::ONE / d).fast_max(lowest).fast_min(highest))
 }
 
 /// Which of eight boxes are met before their limits (bits), and how far away each is entered, by the distances of their
 /// two sides along each axis.
-#[inline]
+#[inline(always)]
 pub(super) fn met(distances: impl Fn(usize) -> [f32x8; 2], limits: f32x8) -> (u32, f32x8) {
     let [x, y, z] = [distances(0), distances(1), distances(2)];
     let near = |[a, b]: [f32x8; 2]| a.fast_min(b);

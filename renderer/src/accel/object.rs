@@ -4,8 +4,9 @@ use glam::{DVec3, Vec3};
 
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
+use crate::math::eight::widened;
 use crate::math::transform::{Motion, Pose};
-use crate::ray::Ray;
+use crate::ray::{EightRays, Ray};
 use crate::shapes::{Shape, ShapeHit};
 
 /// A shape at rest or in motion.
@@ -44,6 +45,14 @@ impl Object {
                 None => to_own(&motion.pose(f64::from(ray.time)), ray),
             },
         }
+    }
+
+    /// `to_object` of eight rays, if that only shifts them.
+    #[inline]
+    pub fn to_object_eight(&self, rays: &EightRays) -> Option<EightRays> {
+        let Some(motion) = &self.motion else { return Some(*rays) };
+        let offset = motion.offset_eight(widened(rays.time))?;
+        Some(EightRays { origin: (rays.origin - offset).rounded().widened(), ..*rays })
     }
 
     /// Whether it hides the end of a segment that leaves it, where that is known before the other objects are looked at.

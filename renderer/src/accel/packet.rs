@@ -4,10 +4,10 @@ use std::array::from_fn;
 
 use wide::f32x8;
 
-use super::group::Context;
-use super::node::{Child, NodeRef, Slab, WIDTH, limit, met};
-use super::walk::{Entry, Mode, Search, Tree};
-use crate::ray::Ray;
+use super::group::{Context, Group};
+use super::node::{Boxes, Child, WIDTH, inverses, limit, met};
+use super::walk::{Content, Entry, Found, Mode, Search, Tree};
+use crate::ray::{EightRays, Ray};
 
 /// Rays of a packet.
 pub(super) const RAYS: usize = 8;
@@ -28,7 +28,11 @@ pub(super) struct Waiting {
 /// Eight rays prepared for boxes.
 #[derive(Debug)]
 pub(super) struct Packet {
-    origin: [f32x8; 3],
+    /// Where they begin, how far through its tree's span of time each is, and the first and the last of them.
+    root: Child,
+    through: f32x8,
+    span: [f32; 2],
+    rays: EightRays<f32x8>,
     inverse: [f32x8; 3],
     /// 1 on the axes along which all rays meet the upper side first.
     upper_first: [usize; 3],
@@ -39,44 +43,53 @@ pub(super) struct Packet {
 }
 
 impl Packet {
-    /// The packet of `rays`; `None` if they point in different octants or too many ways to gain from it.
+    /// The packet of `rays`; `None` if they begin at different roots, point in different octants or too many ways to gain from it.
     #[inline]
-    pub(super) fn new(rays: &[Ray; RAYS]) -> Option<Self> {
+    pub(super) fn new(group: &Group<impl Boxes>, rays: &[Ray; RAYS]) -> Option<Self> {
         let first = &rays[0];
         if rays.iter().any(|ray| ray.direction.dot(first.direction) < NARROW) {
             return None;
         }
-        let slabs: [Slab; RAYS] = from_fn(|ray| Slab::new(&rays[ray]));
-        let octant = |slab: &Slab| slab.inverse.map(|i| i < 0.0);
-        let upper_first = octant(&slabs[0]);
-        if slabs.iter().any(|slab| octant(slab) != upper_first) {
+        let starts: [(Child, f32); RAYS] = from_fn(|ray| group.start(&rays[ray]));
+        let root = starts[0].0;
+        if starts.iter().any(|start| start.0 != root) {
             return None;
         }
-        let upper_first = upper_first.map(usize::from);
-        let lanes = |of: fn(&Slab) -> &[f32; 3]| from_fn(|axis| from_fn(|ray| of(&slabs[ray])[axis]));
-        let [origin, inverse]: [[[f32; RAYS]; 3]; 2] = [lanes(|s| &s.origin), lanes(|s| &s.inverse)];
-        let range = |of: &[f32; RAYS]| {
-            of.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+        let lanes = EightRays::new(rays);
+        let inverse = inverses(lanes.direction).0;
+        let upward = inverse.map(|inverse| inverse.simd_lt(f32x8::ZERO).to_bitmask());
+        if upward.iter().any(|&lanes| lanes != 0 && lanes != ALL) {
+            return None;
+        }
+        let upper_first = upward.map(|lanes| usize::from(lanes != 0));
+        let range = |of: &f32x8| {
+            of.as_array()
+                .iter()
+                .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
         };
-        let origins = origin.each_ref().map(range);
-        let wide = |lanes: [[f32; RAYS]; 3]| lanes.map(f32x8::new);
+        let origins = lanes.origin.0.each_ref().map(range);
+        let through = f32x8::new(starts.map(|start| start.1));
         Some(Self {
+            root,
+            through,
+            span: range(&through),
             // A greater origin is nearer to the upper sides.
             bounds: [1, 0].map(|near| from_fn(|axis| origins[axis][near ^ upper_first[axis]])),
             inverses: inverse.each_ref().map(range),
-            origin: wide(origin),
-            inverse: wide(inverse),
+            inverse,
+            rays: lanes,
             upper_first,
         })
     }
 
     /// Which boxes of a node some ray may meet before `limit` (bits), and a bound on how far away the first enters each.
     ///
-    /// Rounding keeps order: the bounds hold for what `Slab::enter` computes for each ray, in every bit.
+    /// Rounding keeps order: the bounds hold for what `Boxes::enter` computes for each ray, in every bit.
     #[inline]
-    fn enter(&self, node: NodeRef, limit: f32) -> (u32, f32x8) {
+    fn enter(&self, node: &impl Boxes, limit: f32) -> (u32, f32x8) {
         let products = |axis: usize, end: usize| {
-            let side = node.side(axis, self.upper_first[axis] ^ end) - f32x8::splat(self.bounds[end][axis]);
+            let side = node.farthest_sides(axis, self.upper_first[axis] ^ end, self.span);
+            let side = side - f32x8::splat(self.bounds[end][axis]);
             self.inverses[axis].map(|inverse| side * f32x8::splat(inverse))
         };
         let distances = |axis: usize| {
@@ -88,9 +101,9 @@ impl Packet {
 
     /// Which rays meet the box in a slot of a node before their limits, as bits.
     #[inline]
-    fn meet(&self, node: NodeRef, slot: usize, limits: f32x8) -> u32 {
+    fn meet(&self, node: &impl Boxes, slot: usize, limits: f32x8) -> u32 {
         let distance = |axis: usize, which: usize| {
-            (f32x8::splat(node.side(axis, which).as_array()[slot]) - self.origin[axis]) * self.inverse[axis]
+            (node.side(slot, axis, which, self.through) - self.rays.origin.0[axis]) * self.inverse[axis]
         };
         met(|axis| [distance(axis, 0), distance(axis, 1)], limits).0
     }
@@ -99,7 +112,7 @@ impl Packet {
     #[inline]
     pub(super) fn walk<M: Mode>(
         &self,
-        tree: &Tree,
+        tree: &Tree<impl Boxes>,
         rays: &[Ray; RAYS],
         stack: &mut Vec<Waiting>,
         context: &mut Context,
@@ -108,10 +121,11 @@ impl Packet {
         let mut limits = f32x8::new(from_fn(|ray| limit(rays[ray].t_max)));
         let mut farthest = highest(&limits);
         let mut walking = ALL;
+        let mut eight = self.rays.widened();
         stack.clear();
-        stack.push(Waiting { entry: Entry::new(tree.group.root, 0.0), rays: ALL });
-        while let Some(Waiting { entry, rays }) = stack.pop() {
-            let left = rays & walking;
+        stack.push(Waiting { entry: Entry::new(self.root, 0.0), rays: ALL });
+        while let Some(Waiting { entry, rays: meeting }) = stack.pop() {
+            let left = meeting & walking;
             if left == 0 || !(M::ANY || entry.begins_before(farthest)) {
                 continue;
             }
@@ -119,13 +133,17 @@ impl Packet {
                 self.descend::<M>(tree, entry.child(), (&limits, farthest, walking), stack);
                 continue;
             };
-            // All candidates first: what the branches below depend on is known when they come.
-            let mut candidates = [(0, 0); RAYS];
-            for ray in lanes_of(left) {
-                candidates[ray] = searches[ray].candidates::<M>(tree, leaf);
+            if !at_once::<M>(tree, leaf, left, &mut eight, &mut searches, context) {
+                // All candidates first: what the branches below depend on is known when they come.
+                let mut candidates = [(0, 0); RAYS];
+                for ray in lanes_of(left) {
+                    candidates[ray] = searches[ray].candidates::<M>(tree, leaf);
+                }
+                for ray in lanes_of(left) {
+                    searches[ray].settle::<M>(tree, leaf, candidates[ray], context);
+                }
             }
             for ray in lanes_of(left) {
-                searches[ray].settle::<M>(tree, leaf, candidates[ray], context);
                 if M::ANY && searches[ray].is_blocked() {
                     walking &= !(1 << ray);
                 }
@@ -140,7 +158,7 @@ impl Packet {
     #[inline]
     fn descend<M: Mode>(
         &self,
-        tree: &Tree,
+        tree: &Tree<impl Boxes>,
         node: Child,
         (limits, farthest, walking): (&f32x8, f32, u32),
         stack: &mut Vec<Waiting>,
@@ -171,6 +189,27 @@ impl Packet {
     }
 }
 
+/// Tries a leaf's shape against those rays of a packet that meet its box, given as bits, if it can be tested against eight at once.
+#[inline]
+fn at_once<M: Mode>(
+    tree: &Tree<impl Boxes>,
+    leaf: usize,
+    meeting: u32,
+    eight: &mut EightRays,
+    searches: &mut [Search; RAYS],
+    context: &Context,
+) -> bool {
+    let Content::Other(index) = tree.content(leaf) else { return false };
+    eight.t_max = f32x8::new(from_fn(|ray| searches[ray].reach()));
+    let hits = tree.group.other_eight(index, eight, context);
+    if let Some(hits) = &hits {
+        for ray in lanes_of(meeting & hits.lanes) {
+            searches[ray].accept::<M>(tree.group, Found::Item(index, hits.get(ray)));
+        }
+    }
+    hits.is_some()
+}
+
 /// The lanes of a mask, in their order.
 #[inline]
 pub(super) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
@@ -193,8 +232,10 @@ mod tests {
 
     #[test]
     fn packets_are_narrow_and_in_one_octant() {
+        let group: Group = Group::of_scene(&[], &[]);
         let packet = |way: Vec3, turn: Vec3| {
-            Packet::new(&from_fn(|ray| Ray::new(Vec3::ZERO, (way + turn * ray as f32).normalize(), 0.0)))
+            let rays = from_fn(|ray| Ray::new(Vec3::ZERO, (way + turn * ray as f32).normalize(), 0.0));
+            Packet::new(&group, &rays)
         };
         let way = Vec3::new(1.0, 0.5, 0.5);
         // The last of eight turns by about 1.6°, and by 16°.

@@ -3,7 +3,7 @@
 use wide::f32x8;
 
 use super::group::{Context, Group};
-use super::node::{Child, Slab};
+use super::node::{Boxes, Child, Slab};
 use super::walk::{Entry, Mode, Pending, Search, Tree};
 use crate::ray::Ray;
 
@@ -16,7 +16,7 @@ const LANES: usize = 24;
 /// whether a node or a leaf comes, and those that depend on the boxes find the tests done: a wrong guess there costs little.
 #[inline]
 pub(super) fn walk<M: Mode>(
-    group: &Group,
+    group: &Group<impl Boxes>,
     rays: &[Ray],
     context: &mut Context,
     mut done: impl FnMut(usize, &Search),
@@ -96,16 +96,18 @@ struct Walker {
 impl Walker {
     /// Ray `index` of a batch at the root of the group's tree; `bottom` is where its stack begins.
     #[inline]
-    fn new(group: &Group, ray: &Ray, index: usize, bottom: usize) -> Self {
-        Self { search: Search::new(ray), slab: Slab::new(ray), next: group.root, bottom, top: bottom, index }
+    fn new(group: &Group<impl Boxes>, ray: &Ray, index: usize, bottom: usize) -> Self {
+        let (next, through) = group.start(ray);
+        Self { search: Search::new(ray), slab: Slab::new(ray, through), next, bottom, top: bottom, index }
     }
 
     /// The next ray of the batch in this one's place.
     #[inline]
-    fn restart(&mut self, group: &Group, ray: &Ray, index: usize) {
+    fn restart(&mut self, group: &Group<impl Boxes>, ray: &Ray, index: usize) {
         self.search.restart(ray);
-        self.slab = Slab::new(ray);
-        self.next = group.root;
+        let (next, through) = group.start(ray);
+        self.slab = Slab::new(ray, through);
+        self.next = next;
         self.top = self.bottom;
         self.index = index;
     }
@@ -124,13 +126,18 @@ impl Walker {
 
     /// Tests the boxes of the node that it is at.
     #[inline]
-    fn meet(&self, tree: &Tree) -> (u32, f32x8) {
+    fn meet(&self, tree: &Tree<impl Boxes>) -> (u32, f32x8) {
         tree.node(self.next).enter(&self.slab, self.search.limit())
     }
 
     /// Goes on below a node of which it has met those boxes.
     #[inline]
-    fn descend<M: Mode>(&mut self, tree: &Tree, (mask, near): &(u32, f32x8), stack: &mut [Entry]) {
+    fn descend<M: Mode>(
+        &mut self,
+        tree: &Tree<impl Boxes>,
+        (mask, near): &(u32, f32x8),
+        stack: &mut [Entry],
+    ) {
         let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
         let node = tree.node(self.next);
         self.next = pending.choose::<M>(*mask, near, |slot| node.child(slot));
@@ -143,7 +150,7 @@ impl Walker {
 
     /// Goes on after a leaf.
     #[inline]
-    fn leave<M: Mode>(&mut self, tree: &Tree, stack: &mut [Entry]) {
+    fn leave<M: Mode>(&mut self, tree: &Tree<impl Boxes>, stack: &mut [Entry]) {
         let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
         let is_done = M::ANY && self.search.is_blocked();
         self.next = if is_done { Child::NONE } else { pending.pop::<M>(self.search.limit()) };

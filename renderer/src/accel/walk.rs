@@ -4,7 +4,7 @@ use wide::{f32x8, f32x16};
 
 use super::block::{BlockMemory, BlockRef, Probe};
 use super::group::{Context, Group};
-use super::node::{Child, NodeMemory, NodeRef, Slab, WIDTH, limit, prefetch};
+use super::node::{Boxes, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use crate::ray::{Hit, Ray};
 use crate::shapes::ShapeHit;
 use crate::shapes::triangle::ShearedRay;
@@ -29,41 +29,54 @@ impl Mode for Any {
     const ANY: bool = true;
 }
 
-/// Lines of the cache that a node and a leaf take.
-const NODE_LINES: usize = size_of::<NodeMemory>() / size_of::<f32x16>();
+/// Lines of the cache that a leaf takes.
 const BLOCK_LINES: usize = size_of::<BlockMemory>() / size_of::<f32x16>();
 
 /// A group whose arrays are at hand.
 #[derive(Clone, Copy)]
-pub(super) struct Tree<'a> {
-    pub(super) group: &'a Group,
-    pub(super) nodes: &'a [NodeMemory],
+pub(super) struct Tree<'a, N: Boxes = NodeMemory> {
+    pub(super) group: &'a Group<N>,
+    pub(super) nodes: &'a [N],
     pub(super) blocks: &'a [BlockMemory],
 }
 
-impl<'a> Tree<'a> {
-    #[inline]
-    pub(super) fn node(&self, child: Child) -> NodeRef<'a> {
-        NodeRef::new(&self.nodes[child.node()])
-    }
+impl<'a, N: Boxes> Tree<'a, N> {
+    /// Lines of the cache that a node takes, and that a node and a leaf take at most.
+    const NODE_LINES: usize = size_of::<N>() / size_of::<f32x16>();
+    const LINES: usize = if Self::NODE_LINES > BLOCK_LINES { Self::NODE_LINES } else { BLOCK_LINES };
 
     #[inline]
-    pub(super) fn block(&self, leaf: usize) -> BlockRef<'a> {
-        BlockRef::new(&self.blocks[leaf])
+    pub(super) fn node(&self, child: Child) -> &'a N {
+        &self.nodes[child.node()]
+    }
+
+    /// What is in a leaf.
+    #[inline]
+    pub(super) fn content(&self, leaf: usize) -> Content<'a> {
+        match self.blocks.get(leaf).map(BlockRef::new) {
+            Some(block) if block.has_triangles() => Content::Triangles(block),
+            Some(block) => Content::Other(block.first()),
+            None => Content::Other(leaf),
+        }
     }
 
     /// Fetches a node or leaf into the cache. No branch depends on which it is: a line too many for a node costs less.
     #[inline]
     pub(super) fn prefetch(&self, child: Child) {
-        let arrays: [&[f32x16]; 2] = [self.nodes.as_flattened(), self.blocks.as_flattened()];
+        let arrays: [&[f32x16]; 2] = [bytemuck::cast_slice(self.nodes), self.blocks.as_flattened()];
         let kind = usize::from(child.is_leaf());
-        let first = child.index() * [NODE_LINES, BLOCK_LINES][kind];
-        if let Some([a, b, c, d, e]) = arrays[kind].get(first..first + BLOCK_LINES) {
-            for line in [a, b, c, d, e] {
-                prefetch(line);
-            }
+        let first = child.index() * [Self::NODE_LINES, BLOCK_LINES][kind];
+        if let Some(lines) = arrays[kind].get(first..first + Self::LINES) {
+            lines.iter().for_each(prefetch);
         }
     }
+}
+
+/// What is in a leaf.
+pub(super) enum Content<'a> {
+    Triangles(BlockRef<'a>),
+    /// An item that isn't a triangle, by its index: it has a leaf of its own.
+    Other(usize),
 }
 
 /// A child to visit later, below the distance at which the ray enters it: its bits have the order of the numbers, since
@@ -123,7 +136,7 @@ impl Found {
         }
     }
 
-    fn named(&self, group: &Group) -> Hit {
+    fn named(&self, group: &Group<impl Boxes>) -> Hit {
         match *self {
             Self::Item(index, hit) => group.hit(index, hit),
             Self::Named(hit) => hit,
@@ -153,7 +166,7 @@ impl Search {
     }
 
     /// The first hit of those found.
-    pub(super) fn hit(&self, group: &Group) -> Option<Hit> {
+    pub(super) fn hit(&self, group: &Group<impl Boxes>) -> Option<Hit> {
         self.best.map(|found| found.named(group))
     }
 
@@ -171,36 +184,38 @@ impl Search {
 
     /// Tries what is in a leaf.
     #[inline]
-    pub(super) fn leaf<M: Mode>(&mut self, tree: &Tree, leaf: usize, context: &mut Context) {
+    pub(super) fn leaf<M: Mode>(&mut self, tree: &Tree<impl Boxes>, leaf: usize, context: &mut Context) {
         let candidates = self.candidates::<M>(tree, leaf);
         self.settle::<M>(tree, leaf, candidates, context);
     }
 
     /// The lanes of a leaf's triangles that the ray may hit, and of those that it hits for certain, as bits.
     #[inline]
-    pub(super) fn candidates<M: Mode>(&mut self, tree: &Tree, leaf: usize) -> (u32, u32) {
-        let block = tree.block(leaf);
-        if block.has_triangles() { block.candidates::<M>(&self.ray, &mut self.probe) } else { (0, 0) }
+    pub(super) fn candidates<M: Mode>(&mut self, tree: &Tree<impl Boxes>, leaf: usize) -> (u32, u32) {
+        match tree.content(leaf) {
+            Content::Triangles(block) => block.candidates::<M>(&self.ray, &mut self.probe),
+            Content::Other(_) => (0, 0),
+        }
     }
 
     /// Tries what is in a leaf of which the candidates are known.
     #[inline]
     pub(super) fn settle<M: Mode>(
         &mut self,
-        tree: &Tree,
+        tree: &Tree<impl Boxes>,
         leaf: usize,
         (mut lanes, certain): (u32, u32),
         context: &mut Context,
     ) {
-        let block = tree.block(leaf);
-        if !block.has_triangles() {
-            // Such an item has a leaf of its own.
-            let index = block.first();
-            if let Some(hit) = tree.group.other(index, &self.ray, context) {
-                self.accept::<M>(tree.group, hit);
+        let block = match tree.content(leaf) {
+            Content::Triangles(block) => block,
+            Content::Other(index) => {
+                if let Some(hit) = tree.group.other(index, &self.ray, context) {
+                    self.accept::<M>(tree.group, hit);
+                }
+                return;
             }
-            return;
-        }
+        };
         if M::ANY && certain != 0 {
             self.is_blocked = true;
             return;
@@ -221,7 +236,7 @@ impl Search {
 
     /// Takes note of a hit before the ray's `t_max`.
     #[inline]
-    pub(super) fn accept<M: Mode>(&mut self, group: &Group, found: Found) {
+    pub(super) fn accept<M: Mode>(&mut self, group: &Group<impl Boxes>, found: Found) {
         if M::ANY {
             self.is_blocked = true;
         } else {
@@ -232,7 +247,7 @@ impl Search {
     /// Keeps a hit before the ray's `t_max` if it comes before the best one.
     // Always inlined: a hit handed over in memory would be copied before it is there.
     #[inline(always)]
-    fn take(&mut self, group: &Group, found: Found) {
+    fn take(&mut self, group: &Group<impl Boxes>, found: Found) {
         if let Some(best) = &self.best
             && best.t() == found.t()
         {
@@ -255,11 +270,17 @@ impl Search {
 
 /// Walks one ray all the way.
 #[inline]
-pub(super) fn walk<M: Mode>(tree: &Tree, ray: &Ray, stack: &mut [Entry], context: &mut Context) -> Search {
+pub(super) fn walk<M: Mode>(
+    tree: &Tree<impl Boxes>,
+    ray: &Ray,
+    stack: &mut [Entry],
+    context: &mut Context,
+) -> Search {
     let mut search = Search::new(ray);
-    let slab = Slab::new(ray);
+    let (root, through) = tree.group.start(ray);
+    let slab = Slab::new(ray, through);
     let mut pending = Pending { stack, bottom: 0, top: 0 };
-    let mut next = tree.group.root;
+    let mut next = root;
     let mut limit = limit(ray.t_max);
     while next != Child::NONE {
         match next.leaf() {

@@ -79,6 +79,13 @@ impl DVec3x8 {
         Self([f64x8::splat(v.x), f64x8::splat(v.y), f64x8::splat(v.z)])
     }
 
+    /// The same vectors but for those of `other` in the lanes of `mask`.
+    #[inline]
+    pub fn replaced(self, mask: f64x8, other: Self) -> Self {
+        let ([x, y, z], [ox, oy, oz]) = (self.0, other.0);
+        Self([mask.select(ox, x), mask.select(oy, y), mask.select(oz, z)])
+    }
+
     /// The vectors rounded to f32.
     #[inline]
     pub fn rounded(self) -> Vec3x8 {

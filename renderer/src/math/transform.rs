@@ -2,9 +2,11 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use smallvec::SmallVec;
+use wide::f64x8;
 
 use crate::ParamError;
 use crate::math::bounds::Bounds;
+use crate::math::eight::DVec3x8;
 
 /// A keyed transform: between two keys the translation and the scale-and-shear part are interpolated linearly and the
 /// rotation turns at constant speed the short way round; before the first and after the last key it rests.
@@ -135,6 +137,21 @@ impl Motion {
             }
             (key, other) => key.or(other).map(|key| key.translation),
         }
+    }
+
+    /// `offset` of eight times, bit for bit.
+    #[inline]
+    pub fn offset_eight(&self, time: f64x8) -> Option<DVec3x8> {
+        let mut offset = DVec3x8::splat(self.steps.first()?.translation);
+        for pair in self.steps.windows(2) {
+            let (from, to) = (&pair[0], &pair[1]);
+            let s = (time - f64x8::splat(from.time)) / f64x8::splat(to.time - from.time);
+            let between =
+                DVec3x8::splat(from.translation) * (f64x8::ONE - s) + DVec3x8::splat(to.translation) * s;
+            offset = offset.replaced(time.simd_ge(f64x8::splat(from.time)), between);
+            offset = offset.replaced(time.simd_ge(f64x8::splat(to.time)), DVec3x8::splat(to.translation));
+        }
+        Some(offset)
     }
 
     /// The map at `time`, and the motion of what it maps, if nothing but the translation changes.
