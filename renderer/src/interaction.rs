@@ -9,6 +9,7 @@ use crate::ray::Ray;
 
 /// A point on a surface in the render frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
 pub struct SurfacePoint {
     /// Where it is.
     pub point: Vec3,
@@ -68,6 +69,22 @@ pub struct EightPoints {
 impl EightPoints {
     /// Nothing that rays could leave.
     pub const ZERO: Self = Self { point: Vec3x8::ZERO, error: Vec3x8::ZERO, ng: Vec3x8::ZERO };
+
+    /// Up to eight points, and their shading normals; the other lanes hold zeros.
+    #[inline]
+    pub fn of<'a>(points: impl Iterator<Item = &'a SurfacePoint>) -> (Self, Vec3x8) {
+        let mut rows = [[f32x8::ZERO; 8]; 2];
+        for (lane, at) in points.enumerate().take(8) {
+            // As they lie in memory: a load each, where numbers put into lanes one by one would be waited for.
+            let SurfacePoint { point: p, error: e, ng: g, n, uv: [u, v] } = *at;
+            rows[0][lane] = f32x8::new([p.x, p.y, p.z, e.x, e.y, e.z, g.x, g.y]);
+            rows[1][lane] = f32x8::new([g.x, g.y, g.z, n.x, n.y, n.z, u, v]);
+        }
+        let [px, py, pz, ex, ey, ez, ..] = f32x8::transpose(rows[0]);
+        let [gx, gy, gz, nx, ny, nz, ..] = f32x8::transpose(rows[1]);
+        let [point, error, ng] = [[px, py, pz], [ex, ey, ez], [gx, gy, gz]].map(Eight);
+        (Self { point, error, ng }, Eight([nx, ny, nz]))
+    }
 
     /// The same point eight times.
     #[inline]

@@ -114,11 +114,11 @@ impl Connector<'_> {
         u: &[[f32; 2]],
         mut connect: impl FnMut(usize, Rgb, Ray),
     ) {
-        let (mut points, mut matte) = (EightPoints::ZERO, MatteLanes::NONE);
+        let (points, n) = EightPoints::of(surfaces.iter().map(|surface| &surface.interaction.surface));
+        let mut matte = MatteLanes { n, ..MatteLanes::NONE };
         let mut from = [&surfaces[0].interaction; LANES];
         for (lane, surface) in surfaces.iter().enumerate().take(LANES) {
             from[lane] = &surface.interaction;
-            points.set(lane, &surface.interaction.surface);
             matte.set(self.scene, lane, surface, &self.paths[surface.path as usize]);
         }
         let samples = light.sample_eight(&self.scene.accel, &from[..surfaces.len()], &points, u);
@@ -170,6 +170,7 @@ struct MatteLanes {
     is_matte: u32,
     /// 1 for paths above the surface, −1 below, 0 where nothing is scattered.
     side: f32x8,
+    /// Shading normals.
     n: Vec3x8,
     /// Reflectance times the path's throughput.
     weight: Vec3x8,
@@ -184,7 +185,6 @@ impl MatteLanes {
         if let Some(matte) = scene.material(at.object).matte(at.surface.uv) {
             self.is_matte |= 1 << lane;
             self.side.as_mut_array()[lane] = matte.side(at.wo.dot(at.surface.n));
-            self.n.set(lane, at.surface.n);
             self.weight.set(lane, (path.throughput * matte.reflectance()).to_array().into());
         }
     }

@@ -66,14 +66,13 @@ impl MatteRays {
     #[inline]
     fn new(scene: &Scene, surfaces: &[Surface], u: &[[f32; 2]]) -> Self {
         let mut reflectances = [None; LANES];
-        let (mut side, mut points, mut n) = (f32x8::ZERO, EightPoints::ZERO, Vec3x8::ZERO);
+        let (points, n) = EightPoints::of(surfaces.iter().map(|surface| &surface.interaction.surface));
+        let mut side = f32x8::ZERO;
         for (lane, surface) in surfaces.iter().enumerate().take(LANES) {
             let at = &surface.interaction;
             let Some(matte) = scene.material(at.object).matte(at.surface.uv) else { continue };
             reflectances[lane] = Some(matte.reflectance());
             side.as_mut_array()[lane] = matte.side(at.wo.dot(at.surface.n));
-            points.set(lane, &at.surface);
-            n.set(lane, at.surface.n);
         }
         if reflectances.iter().all(Option::is_none) {
             return Self { reflectances, origin: n, direction: n, pdf: side };
@@ -195,11 +194,8 @@ mod tests {
             };
             let u = |j: usize| [(0.618_034 * lane(j)).fract(), (0.414_214 * lane(j)).fract()];
             let side = |j: usize| if j.is_multiple_of(2) { 1.0 } else { -1.0 };
-            let (mut points, mut n) = (EightPoints::ZERO, Vec3x8::ZERO);
-            for j in 0..LANES {
-                points.set(j, &surface(j));
-                n.set(j, surface(j).n);
-            }
+            let surfaces: [SurfacePoint; LANES] = std::array::from_fn(surface);
+            let (points, n) = EightPoints::of(surfaces.iter());
             let numbers = [0, 1].map(|c| f32x8::new(std::array::from_fn(|j| u(j)[c])));
             let (wi, _) = Matte::eight_directions(f32x8::new(std::array::from_fn(side)), numbers);
             let direction = Frame::eight_to_world(n, wi);

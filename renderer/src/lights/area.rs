@@ -210,8 +210,7 @@ mod tests {
         let (mut seen, mut hidden) = (0, 0);
         for (from, u) in from.chunks(7).zip(u.chunks(7)) {
             let from: Vec<&Interaction> = from.iter().collect();
-            let mut points = EightPoints::ZERO;
-            from.iter().enumerate().for_each(|(lane, from)| points.set(lane, &from.surface));
+            let (points, _) = EightPoints::of(from.iter().map(|from| &from.surface));
             let found = light.sample_eight(&accel, &from, &points, u);
             for (lane, (from, u)) in from.iter().zip(u).enumerate() {
                 let single = light.sample(&accel, from, *u);
