@@ -42,7 +42,7 @@ struct Item {
     id: [u32; 2],
 }
 
-/// Items under their tree, in one space.
+/// Items under their trees, one for each span of time, in one space.
 #[derive(Debug)]
 pub(super) struct Group<N: Boxes = NodeMemory> {
     /// Which tree a ray walks, and where that begins.
