@@ -122,7 +122,7 @@ fn finished(digits_reversed: u32, seed: u64) -> f32 {
 }
 
 /// Points of one set that are made together: a loop over so many becomes one of vectors.
-const TOGETHER: usize = 64;
+const TOGETHER: usize = 16;
 
 /// The numbers of the first `count` digits, and of a few more, so that whole vectors are made.
 #[inline]
