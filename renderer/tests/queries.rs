@@ -181,7 +181,7 @@ proptest! {
         let (mut hits, mut blocked) = (Vec::new(), Vec::new());
         accel.closest(&rays, &mut hits);
         accel.occluded(&rays, &mut blocked);
-        prop_assert!(hits.iter().any(Option::is_some));
+        prop_assert!(hits.iter().any(Option::is_some) && hits.iter().any(Option::is_none));
         for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
             let (mut hit_alone, mut blocked_alone) = (Vec::new(), Vec::new());
             accel.closest(std::slice::from_ref(ray), &mut hit_alone);

@@ -8,7 +8,6 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use wide::{f32x8, f32x16};
 
-use super::block::block;
 use super::collapse::{WideTree, collapse};
 use super::few::{Few, LEAVES, Leaf};
 use super::group::{BUILD, Context, Group, are_coherent, comes_before};
@@ -66,7 +65,7 @@ impl MovingTrees {
             },
             roots,
             nodes: Array::new(nodes.len(), |index| nodes[index]),
-            blocks: Array::new(0, |_| block(&[], 0)),
+            blocks: Array::Small(Vec::new()),
             ids: Array::new(order.len(), |leaf| [listed[order[leaf] as usize], 0]),
             few,
             stack: 7 * depth + 1,

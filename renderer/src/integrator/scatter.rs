@@ -66,7 +66,6 @@ impl MatteRays {
     #[inline]
     fn new(scene: &Scene, surfaces: &[Surface], u: &[[f32; 2]]) -> Self {
         let mut reflectances = [None; LANES];
-        let (points, n) = EightPoints::of(surfaces.iter().map(|surface| &surface.interaction.surface));
         let mut side = f32x8::ZERO;
         for (lane, surface) in surfaces.iter().enumerate().take(LANES) {
             let at = &surface.interaction;
@@ -75,8 +74,9 @@ impl MatteRays {
             side.as_mut_array()[lane] = matte.side(at.wo.dot(at.surface.n));
         }
         if reflectances.iter().all(Option::is_none) {
-            return Self { reflectances, origin: n, direction: n, pdf: side };
+            return Self { reflectances, origin: Vec3x8::ZERO, direction: Vec3x8::ZERO, pdf: side };
         }
+        let (points, n) = EightPoints::of(surfaces.iter().map(|surface| &surface.interaction.surface));
         let (wi, pdf) = Matte::eight_directions(side, pairs(u));
         let direction = Frame::eight_to_world(n, wi);
         Self { reflectances, origin: points.offset(direction), direction, pdf }
