@@ -8,8 +8,8 @@ The seconds are those of a render at 512 by 512, medians over rounds in which bo
 scene and Mitsuba's compilation aren't counted. Mitsuba (llvm_ad_rgb) has each of its samplers, and the one of least
 variance x seconds stands for it. Ours has one set of points a pixel (--replicates 1), as Mitsuba has, and gives pixels
 samples by their error (--allocate), the pilot's included, with the same mean number; with --even each has that number.
-Ours is rendered in three ways, with a line for each: as it is, with paths that neighbours share (--reuse), and with both
-branches at glass as well. Shared paths give neighbours errors in common, which the variance of a pixel doesn't see: the
+Ours is rendered in four ways, with a line for each: as it is, with paths that neighbours share (--reuse), with both
+branches at glass as well, and where a scene calls for them with paths from lights, too (--light-paths). Shared paths give neighbours errors in common, which the variance of a pixel doesn't see: the
 last column is the same ratio for means of blocks of 8 by 8 pixels.
 On a busy machine --clock cpu compares seconds of processor time, start-up taken off.
 
@@ -38,6 +38,9 @@ ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("direct", "cornell", "dof", "glass", "mesh")
 SAMPLERS = ("independent", "stratified", "multijitter", "ldsampler")
 WAYS = {"alone": [], "reuse": ["--reuse"], "reuse+both": ["--reuse", "--branch=both"]}
+LIGHTS = "lights+reuse+both"
+WAYS[LIGHTS] = ["--light-paths", *WAYS["reuse+both"]]
+CAUSTICS = ("glass",)
 BLOCK = 8
 
 
@@ -133,7 +136,8 @@ class Lightproof:
 
 def compare(scene, options):
     """The table's lines of a scene: Mitsuba's best sampler beside each of our ways, in one run."""
-    ours = {way: Lightproof(scene, way, options) for way in options.ways}
+    ways = [way for way in options.ways if way != LIGHTS or scene in CAUSTICS]
+    ours = {way: Lightproof(scene, way, options) for way in ways}
     theirs = {sampler: Mitsuba(scene, sampler, options) for sampler in options.samplers}
     everyone = [*ours.items(), *theirs.items()]
     seconds = {name: [] for name, _ in everyone}

@@ -7,14 +7,16 @@ use rayon::prelude::*;
 
 use crate::error::ParamError;
 use crate::film::estimate::values;
-use crate::film::{Begun, Part, PixelEstimate, Reconstruction, Tile, TileSums};
+use crate::film::{Begun, Part, PixelEstimate, PixelSum, Reconstruction, Tile, TileSums};
 use crate::integrator::batch::Sample;
 use crate::integrator::{Batch, Integrator, PathTracer, reuse};
 use crate::sampling::{
     Halton, Independent, MultiJitter, Pmj02, SampleId, Sampler, SamplerKind, Sobol, Stratified,
 };
 use crate::scene::Scene;
+use light_image::LightImage;
 
+mod light_image;
 pub mod pilot;
 
 /// Samples that travel together: few enough for the lists of all stages to stay in a core's own cache.
@@ -139,8 +141,8 @@ pub fn render_with<I: Integrator, S: Sampler>(
 /// * `watch`: called with all that is finished after each tile, from any thread; nothing else is entered meanwhile.
 ///
 /// # Errors
-/// As [`render`]; a part of another film, other replicates, or samples beyond the settings'; and one with numbers of
-/// samples by pixel where the sampler must know one for all.
+/// As [`render`]; a part of another film, other replicates, or samples beyond the settings'; one with numbers of
+/// samples by pixel where the sampler must know one for all; and with paths from lights such a sampler or a part of the samples.
 pub fn go_on(
     scene: &Scene,
     integrator: &PathTracer,
@@ -155,6 +157,13 @@ pub fn go_on(
             name: "the last sample of the part",
             value: f64::from(part.range[1]),
             accepted: "a part of the same film, with as many replicates, of samples that the settings have",
+        });
+    }
+    if scene.emission.is_some() && !(part.range == [0, settings.samples] && pilot::serves(settings.sampler)) {
+        return Err(ParamError::OutOfRange {
+            name: "the number of samples beside paths from lights",
+            value: f64::from(part.range[1] - part.range[0]),
+            accepted: "that of the whole render, of the samplers independent, sobol and pmj02,",
         });
     }
     if part.counts().is_some() && !pilot::serves(settings.sampler) {
@@ -240,12 +249,22 @@ impl<I: Integrator> Finish<'_, I> {
             .collect();
         let part = Mutex::new(part);
         let work = || {
+            let emission = self.scene.emission.as_ref().filter(|_| !missing.is_empty());
+            let light = emission.map(|emission| self.light_image(emission, sampler));
             missing.par_iter().for_each(|(index, tile)| {
                 let mut begun = empty.begun(*index, tile);
                 let next = begun.next;
                 let range_of = |pixel| [next, empty.range_of(pixel)[1]];
                 self.tile(sampler, tile, range_of, &mut begun, |_| ());
-                let sums = self.finished(&empty, tile, &begun);
+                if let Some(light) = &light {
+                    self.brighten(tile, &mut begun.sums, light);
+                }
+                let mut sums = self.finished(&empty, tile, &begun);
+                if let (0, Some(light)) = (index, &light) {
+                    // The first tile tells of all of these paths.
+                    sums.dropped += light.dropped;
+                    sums.largest = sums.largest.max(light.largest);
+                }
                 let mut part = part.lock().unwrap_or_else(PoisonError::into_inner);
                 part.finish(*index, sums);
                 (self.watch)(&part);
@@ -261,6 +280,15 @@ impl<I: Integrator> Finish<'_, I> {
         let share = |pixel| part.counts().map_or(1.0, |_| mean / f64::from(part.range_of(pixel)[1]));
         let shares = tile.pixels().zip(&begun.largest).map(|(pixel, largest)| largest * share(pixel));
         TileSums::new(&begun.sums, shares.fold(0.0, f64::max), begun.dropped)
+    }
+
+    /// Adds what paths from lights bring to the pixels of a tile whose samples are all there.
+    fn brighten(&self, tile: &Tile, pixels: &mut [PixelSum], light: &LightImage) {
+        for (sum, pixel) in pixels.iter_mut().zip(tile.pixels()) {
+            for replicate in 0..self.settings.replicates {
+                sum.raise(replicate, light.at(replicate, pixel), self.scene.film.reconstruction);
+            }
+        }
     }
 
     /// The samples of pixels that share, or of one, in units that travel together.

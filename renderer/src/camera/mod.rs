@@ -91,6 +91,15 @@ struct Pose {
     lens_y: Vec3,
 }
 
+/// How a point is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// The point of the lens.
+    pub from: Vec3,
+    /// Where on the image, as for [`Camera::ray`], beyond [−1, 1]² as well.
+    pub place: [f64; 2],
+}
+
 impl Camera {
     /// The camera of `settings` for an image of `width` × `height` pixels.
     ///
@@ -171,12 +180,46 @@ impl Camera {
         })
     }
 
-    /// What `ray` makes of the pose at `time`.
+    /// The share of the image around a ray's direction from the lens; not for parallel rays.
+    ///
+    /// The plane in focus is at the distance v / |n·d| along the unit vector d, with n = `s_x` × `s_y` and v = |n·f|, and a steradian
+    /// there takes (v / |n·d|)² |n| / |n·d| of it; the whole image takes 4·|n|.
+    ///
+    /// # Measure
+    /// Per steradian.
+    pub fn per_steradian(&self, direction: Vec3, time: f32) -> f32 {
+        self.at(time, |pose| {
+            let n = pose.sx.cross(pose.sy);
+            let (v, cos) = (n.dot(pose.f), n.dot(direction).abs());
+            0.25 * v * v / (cos * cos * cos)
+        })
+    }
+
+    /// How `point` is seen from the lens at `zeta` on the unit disk; `None` if it is not in front. Not for parallel rays.
+    pub fn sight(&self, point: Vec3, zeta: [f32; 2], time: f32) -> Option<Sight> {
+        self.at(time, |pose| {
+            let offset = zeta[0] * pose.lens_x + zeta[1] * pose.lens_y;
+            let from = pose.o + offset;
+            let to = point.as_dvec3() - from.as_dvec3();
+            let [offset, f, sx, sy] = [offset, pose.f, pose.sx, pose.sy].map(|v| v.as_dvec3());
+            let n = sx.cross(sy);
+            let scale = n.dot(f) / n.dot(to);
+            let on_plane = scale * to + offset - f;
+            // Where the axes aren't perpendicular, those across the other one.
+            let place = [
+                on_plane.dot(sy.cross(n)) / sx.dot(sy.cross(n)),
+                on_plane.dot(sx.cross(n)) / sy.dot(sx.cross(n)),
+            ];
+            (scale > 0.0 && scale.is_finite()).then_some(Sight { from, place })
+        })
+    }
+
+    /// What comes of the pose at `time`.
     #[inline]
-    fn at(&self, time: f32, ray: impl Fn(&Pose) -> Ray) -> Ray {
+    fn at<T>(&self, time: f32, what: impl Fn(&Pose) -> T) -> T {
         match &self.at_rest {
-            Some(pose) => ray(pose),
-            None => ray(&self.pose(f64::from(time))),
+            Some(pose) => what(pose),
+            None => what(&self.pose(f64::from(time))),
         }
     }
 
@@ -245,6 +288,32 @@ mod tests {
             let at_focus = ray.at((4.0 - ray.origin.z) / ray.direction.z);
             // 4 · 2⁻²³ is one ulp at 4; the chain has about ten roundings
             assert!((at_focus - Vec3::new(-1.0, 1.0, 4.0)).length() < 10.0 * 4.0 * f32::EPSILON);
+        }
+    }
+
+    #[test]
+    fn a_point_is_seen_where_the_ray_through_it_starts() {
+        let camera = camera(0.3);
+        for (zeta, p) in [([0.0, 0.0], [0.3, -0.8]), ([0.7, -0.2], [-0.9, 0.1]), ([-1.0, 0.0], [0.5, 0.5])] {
+            let ray = camera.lens_ray(p, zeta, 0.0);
+            let sight = camera.sight(ray.at(7.0), zeta, 0.0).unwrap();
+            assert_eq!(sight.from, ray.origin);
+            // The point is 7 away, its coordinates round by 2⁻²² each, and the half image is 4·4/7 wide there and half as high.
+            for axis in 0..2 {
+                assert!((sight.place[axis] - f64::from(p[axis])).abs() < 2e-6, "{zeta:?} {p:?}");
+            }
+            assert_eq!(camera.sight(ray.at(-7.0), zeta, 0.0), None);
+            // Directions of neighbouring points of the image, and the solid angle between them.
+            let side = 1.0 / 64.0;
+            let towards = |x: f32, y: f32| {
+                camera.lens_ray([p[0] + x * side, p[1] + y * side], zeta, 0.0).direction.as_dvec3()
+            };
+            let [right, down] =
+                [towards(0.5, 0.0) - towards(-0.5, 0.0), towards(0.0, 0.5) - towards(0.0, -0.5)];
+            // Of the image's area 4, by central differences: their error is of the order of side²/24, the f32 directions' 1e-5.
+            let exact = f64::from(side * side) / 4.0 / right.cross(down).length();
+            let found = f64::from(camera.per_steradian(ray.direction, 0.0));
+            assert!((found / exact - 1.0).abs() < 1e-4, "{found} {exact}");
         }
     }
 

@@ -59,6 +59,14 @@ impl TreeSum {
         self.end - self.start
     }
 
+    /// What the sum is divided by: n, or Σw.
+    fn divisor(&self, reconstruction: Reconstruction) -> f64 {
+        match reconstruction {
+            Reconstruction::Importance => self.count() as f64,
+            Reconstruction::Weighted => self.total()[3],
+        }
+    }
+
     fn total(&self) -> [f64; 4] {
         self.nodes.iter().rev().fold([0.0; 4], |sum, &(_, node)| add(node, sum))
     }
@@ -124,17 +132,23 @@ impl PixelSum {
         self.replicates[replicate as usize].extend(samples);
     }
 
+    /// Adds `by` to the value that a replicate's samples, all of them here, give.
+    pub fn raise(&mut self, replicate: u32, by: [f64; 3], reconstruction: Reconstruction) {
+        let sum = &mut self.replicates[replicate as usize];
+        let divisor = sum.divisor(reconstruction);
+        if let Some((_, node)) = sum.nodes.last_mut() {
+            node.iter_mut().zip(by).for_each(|(sum, by)| *sum += by * divisor);
+        }
+    }
+
     /// The pixel's value: each replicate's Σ(w·L) / n, or Σ(w·L) / Σw if weighted, and their mean.
     pub fn estimate(&self, reconstruction: Reconstruction) -> PixelEstimate {
         let values: Vec<[f64; 3]> = self
             .replicates
             .iter()
             .map(|sum| {
-                let [r, g, b, w] = sum.total();
-                let divisor = match reconstruction {
-                    Reconstruction::Importance => sum.count() as f64,
-                    Reconstruction::Weighted => w,
-                };
+                let [r, g, b, _] = sum.total();
+                let divisor = sum.divisor(reconstruction);
                 if divisor == 0.0 { [0.0; 3] } else { [r / divisor, g / divisor, b / divisor] }
             })
             .collect();

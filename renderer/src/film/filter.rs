@@ -152,6 +152,19 @@ impl FilterSampler {
         Ok(Self { filter, knots, density, cdf, integral: integral(&filter) })
     }
 
+    /// Beyond this distance in pixels there is nothing.
+    pub fn radius(&self) -> f64 {
+        self.filter.radius()
+    }
+
+    /// f / ∫f at a distance.
+    ///
+    /// # Measure
+    /// per pixel width.
+    pub fn value(&self, x: f64) -> f64 {
+        self.filter.eval(x) / self.integral
+    }
+
     /// Whether this is the plain average over the pixel.
     pub fn is_pixel(&self) -> bool {
         self.filter == Filter::PIXEL

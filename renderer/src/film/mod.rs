@@ -148,11 +148,77 @@ impl Film {
         ([centre[0] + f64::from(x), centre[1] + f64::from(y)], wx * wy)
     }
 
+    /// The pixels of the image whose filters hold a position in pixels of the whole film.
+    ///
+    /// * `add`: called with each one's column and row of the image, and its filter's value there per pixel, whose integral is 1.
+    pub fn splat(&self, position: [f64; 2], mut add: impl FnMut([u32; 2], f64)) {
+        let radius = self.filter.radius();
+        // Columns or rows, and how far the position is from their middles.
+        let near = |axis: usize| {
+            let at = position[axis] - f64::from(self.offset[axis]) - 0.5;
+            let last = f64::from([self.width, self.height][axis] - 1);
+            let first = (at - radius).floor() + 1.0;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the image")]
+            let range = first.max(0.0) as u32..((at + radius).floor().min(last) + 1.0) as u32;
+            range.map(move |place| (place, at - f64::from(place)))
+        };
+        for (y, down) in near(1) {
+            for (x, right) in near(0) {
+                add([x, y], self.filter.value(right) * self.filter.value(down));
+            }
+        }
+    }
+
+    /// The position in pixels of a point of the whole film: the inverse of [`Self::to_image`].
+    pub fn to_pixels(&self, place: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| 0.5 * (place[axis] + 1.0) * f64::from(self.whole[axis]))
+    }
+
     /// A position in pixels as a point of the whole film, [−1, 1]², rightwards and downwards.
     #[inline]
     pub fn to_image(&self, position: [f64; 2]) -> [f32; 2] {
         #[expect(clippy::cast_possible_truncation, reason = "points of the film are of order 1")]
         let to_unit = |x: f64, size: u32| (2.0 * x / f64::from(size) - 1.0) as f32;
         [to_unit(position[0], self.whole[0]), to_unit(position[1], self.whole[1])]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film(filter: Filter) -> Film {
+        let crop = Some(Crop { offset: [2, 1], size: [5, 4] });
+        let reconstruction = Reconstruction::Importance;
+        Film::new(&FilmSettings { width: 9, height: 7, crop, filter, reconstruction }).unwrap()
+    }
+
+    fn splats(film: &Film, position: [f64; 2]) -> Vec<([u32; 2], f64)> {
+        let mut all = Vec::new();
+        film.splat(position, |pixel, share| all.push((pixel, share)));
+        all
+    }
+
+    #[test]
+    fn a_position_falls_on_the_pixels_whose_filters_hold_it() {
+        let film = film(Filter::PIXEL);
+        assert_eq!(splats(&film, [3.75, 4.5]), [([1, 3], 1.0)]);
+        assert_eq!(splats(&film, [3.0, 1.0]), [([1, 0], 1.0)]);
+        for beyond in [[1.99, 2.0], [7.01, 2.0], [3.0, 0.99], [3.0, 5.01], [-1e300, 1e300]] {
+            assert_eq!(splats(&film, beyond), []);
+        }
+        let place = film.to_image([3.75, 4.5]).map(f64::from);
+        for (there, back) in [3.75, 4.5].into_iter().zip(film.to_pixels(place)) {
+            assert!((there - back).abs() < 9.0 * 2.0_f64.powi(-24)); // half of 9 pixels, a rounding below 1
+        }
+    }
+
+    #[test]
+    fn shares_are_the_filters_values() {
+        let film = film(Filter::Tent { radius: 1.0 });
+        let found = splats(&film, [4.75, 3.25]);
+        assert_eq!(found, [([2, 1], 0.1875), ([3, 1], 0.0625), ([2, 2], 0.5625), ([3, 2], 0.1875)]);
+        // Half of a tent is beyond the image's edge.
+        assert_eq!(splats(&film, [2.0, 3.25]), [([0, 1], 0.125), ([0, 2], 0.375)]);
     }
 }

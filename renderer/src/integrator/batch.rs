@@ -4,7 +4,8 @@ use super::reuse::Reuse;
 use crate::interaction::Interaction;
 use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
-use crate::sampling::{Place, SampleId, Vertex};
+use crate::sampling::{Decision, Place, SampleId, Sampler, Vertex};
+use crate::scene::Scene;
 
 /// One sample of a pixel, on its way from a place on the film to a radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,14 +49,25 @@ pub struct Path {
     /// Density per steradian with which the ray's direction was drawn; `None` for the camera and for delta lobes,
     /// which a light sample cannot replace.
     pub pdf: Option<f32>,
+    /// For a path that has left a diffuse first surface and met no other one: how many times as often paths from lights find
+    /// what it may find, up to the density of their start (`integrator/light_paths.rs`); else 0.
+    pub odds: f32,
 }
 
 impl Path {
     /// The path after its next surface, along `ray` with the weight `weight`; `None` if nothing would come of it.
     ///
-    /// * `eta2`: by which refraction there squeezes solid angles; * `pdf`, `branch`: of the new path.
+    /// * `eta2`: by which refraction there squeezes solid angles; * `pdf`, `branch`, `odds`: of the new path.
     #[inline]
-    pub fn along(&self, ray: Ray, weight: Rgb, eta2: f32, pdf: Option<f32>, branch: u32) -> Option<Self> {
+    pub fn along(
+        &self,
+        ray: Ray,
+        weight: Rgb,
+        eta2: f32,
+        pdf: Option<f32>,
+        branch: u32,
+        odds: f32,
+    ) -> Option<Self> {
         let throughput = self.throughput * weight;
         let vertex = Vertex { bounce: self.vertex.bounce.saturating_add(1), branch, split: 0 };
         (!throughput.is_black()).then_some(Self {
@@ -65,6 +77,7 @@ impl Path {
             throughput,
             eta_scale: self.eta_scale * eta2,
             pdf,
+            odds,
         })
     }
 }
@@ -149,6 +162,21 @@ impl Draws {
         };
         self.places.clear();
         self.places.extend(surfaces.map(place));
+    }
+
+    /// Numbers for lobes and directions at the places asked for, as far as the scene's materials decide these.
+    #[inline]
+    pub fn lobes_and_directions<S: Sampler>(&mut self, scene: &Scene, sampler: &S) {
+        if scene.decides(Decision::Lobe) {
+            sampler.draw_1d_each(&self.places, Decision::Lobe, &mut self.choices);
+        } else {
+            self.no_choices();
+        }
+        if scene.decides(Decision::Direction) {
+            sampler.draw_2d_each(&self.places, Decision::Direction, &mut self.points);
+        } else {
+            self.no_points();
+        }
     }
 
     /// Zeros for a decision that nobody makes.

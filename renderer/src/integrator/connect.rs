@@ -5,6 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
 
 use super::batch::{Batch, Connection, Path, Surface};
+use super::light_paths::{odds_over, weight_from_camera};
 use super::stages::frame;
 use crate::interaction::{EightPoints, Interaction};
 use crate::lights::{EightLightSamples, Light, LightSample};
@@ -139,7 +140,7 @@ impl Connector<'_> {
                 if object.hides(&sample.shadow_ray) {
                     continue;
                 }
-                let contribution = self.general(surface, &sample, pmf.as_array()[lane], weighed);
+                let contribution = self.general(light, surface, &sample, pmf.as_array()[lane], weighed);
                 if !contribution.is_black() {
                     connect(lane, contribution, sample.shadow_ray);
                 }
@@ -148,18 +149,35 @@ impl Connector<'_> {
     }
 
     /// What a sample gets from a light point by a surface of any material, if nothing is in the way.
-    fn general(&self, surface: &Surface, light: &LightSample, pmf: f32, weighed: bool) -> Rgb {
-        let Interaction { surface: point, wo, object, .. } = &surface.interaction;
+    fn general(
+        &self,
+        source: &Light,
+        surface: &Surface,
+        light: &LightSample,
+        pmf: f32,
+        weighed: bool,
+    ) -> Rgb {
+        let Interaction { surface: point, wo: to_eye, object, .. } = &surface.interaction;
         let path = &self.paths[surface.path as usize];
         let frame = frame(self.scene, path, surface);
         let bsdf = self.scene.material(*object).bsdf(point.uv);
-        let (wo, wi) = (frame.to_local(*wo), frame.to_local(light.wi));
+        let (wo, wi) = (frame.to_local(*to_eye), frame.to_local(light.wi));
         let f_cos = bsdf.eval_cos(wo, wi);
         if f_cos.is_black() {
             return Rgb::BLACK;
         }
         let pdf = pmf * light.pdf;
-        let weight = if weighed { power_heuristic(pdf, bsdf.pdf(wo, wi)) } else { 1.0 };
+        let pdf_bsdf = bsdf.pdf(wo, wi);
+        let weight = if weighed { power_heuristic(pdf, pdf_bsdf) } else { 1.0 };
+        let weight = match source {
+            Light::Area(area) if path.odds > 0.0 => {
+                let cosines = [*to_eye, light.wi].map(|w| point.ng.dot(w));
+                let odds = path.odds * odds_over(&bsdf, [wo, wi], pdf_bsdf, cosines);
+                let end = light.shadow_ray.at(light.shadow_ray.t_max);
+                weight * weight_from_camera(self.scene, odds, area.object, end, -light.wi)
+            }
+            _ => weight,
+        };
         path.throughput * f_cos * light.radiance * (weight / pdf)
     }
 }

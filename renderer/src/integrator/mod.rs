@@ -2,6 +2,7 @@
 
 pub mod batch;
 mod connect;
+pub mod light_paths;
 pub mod path;
 pub mod reuse;
 mod scatter;

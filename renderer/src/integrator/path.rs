@@ -41,6 +41,13 @@ impl Integrator for PathTracer {
             }
         }
         let mut first = later.with(Decision::Pixel);
+        if let Some(emission) = &scene.emission {
+            // Where paths from lights begin.
+            first = first.with(Decision::LightPoint).with(Decision::Direction);
+            if emission.needs_choice() {
+                first = first.with(Decision::LightChoice);
+            }
+        }
         if scene.effects.contains(Effect::Lens) {
             first = first.with(Decision::Lens);
         }

@@ -3,6 +3,7 @@
 use wide::f32x8;
 
 use super::batch::{Batch, Path, Surface};
+use super::light_paths::{odds_at_first, odds_of_sample};
 use super::stages::frame;
 use crate::interaction::EightPoints;
 use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe, Matte};
@@ -20,16 +21,7 @@ const FORK_MIN: f32 = 1.0 / 64.0;
 pub fn scatter<S: Sampler>(scene: &Scene, sampler: &S, branch: Branch, batch: &mut Batch) {
     let Batch { surfaces, paths, next, samples, draws, .. } = batch;
     draws.at_surfaces(surfaces.iter(), paths, samples);
-    if scene.decides(Decision::Lobe) {
-        sampler.draw_1d_each(&draws.places, Decision::Lobe, &mut draws.choices);
-    } else {
-        draws.no_choices();
-    }
-    if scene.decides(Decision::Direction) {
-        sampler.draw_2d_each(&draws.places, Decision::Direction, &mut draws.points);
-    } else {
-        draws.no_points();
-    }
+    draws.lobes_and_directions(scene, sampler);
     next.clear();
     let drawn = surfaces.chunks(LANES).zip(draws.choices.chunks(LANES).zip(draws.points.chunks(LANES)));
     for (surfaces, (choices, points)) in drawn {
@@ -37,7 +29,12 @@ pub fn scatter<S: Sampler>(scene: &Scene, sampler: &S, branch: Branch, batch: &m
         for (lane, (surface, (&u_lobe, &u))) in surfaces.iter().zip(choices.iter().zip(points)).enumerate() {
             let path = &paths[surface.path as usize];
             if let Some(reflectance) = matte.reflectances[lane] {
-                next.extend(matte.path(lane, reflectance, path, surface.interaction.time));
+                let odds = if scene.emission.is_some() && path.vertex.bounce == 0 {
+                    odds_at_first(scene, &surface.interaction, path.ray.direction, surface.hit.t)
+                } else {
+                    0.0
+                };
+                next.extend(matte.path(lane, reflectance, path, surface.interaction.time, odds));
                 continue;
             }
             let id = samples[path.sample as usize].id;
@@ -84,10 +81,11 @@ impl MatteRays {
 
     /// The path that goes on from a lane's surface.
     #[inline]
-    fn path(&self, lane: usize, reflectance: Rgb, path: &Path, time: f32) -> Option<Path> {
+    fn path(&self, lane: usize, reflectance: Rgb, path: &Path, time: f32, odds: f32) -> Option<Path> {
         let pdf = self.pdf.as_array()[lane];
         let ray = Ray::new(self.origin.get(lane), self.direction.get(lane), time);
-        if pdf > 0.0 { path.along(ray, reflectance, 1.0, Some(pdf), path.vertex.branch) } else { None }
+        let along = || path.along(ray, reflectance, 1.0, Some(pdf), path.vertex.branch, odds);
+        if pdf > 0.0 { along() } else { None }
     }
 }
 
@@ -169,10 +167,18 @@ impl<S: Sampler> Bounce<'_, S> {
 
     /// The path along a sample of the material, its throughput times `factor`.
     fn path_along(&self, sample: &BsdfSample, branch: u32, factor: f32) -> Option<Path> {
-        let ray = self.surface.interaction.spawn(self.frame.to_world(sample.wi));
+        let at = &self.surface.interaction;
+        let wi = self.frame.to_world(sample.wi);
+        let odds = if self.path.odds > 0.0 {
+            let bsdf = self.scene.material(at.object).bsdf(at.surface.uv);
+            let cosines = [at.wo, wi].map(|w| at.surface.ng.dot(w));
+            self.path.odds * odds_of_sample(&bsdf, self.frame.to_local(at.wo), sample, cosines)
+        } else {
+            0.0
+        };
         let eta = if sample.transmitted { sample.eta_rel * sample.eta_rel } else { 1.0 };
         let pdf = (sample.lobe == Lobe::Spread).then_some(sample.pdf);
-        self.path.along(ray, sample.weight * factor, eta, pdf, branch)
+        self.path.along(at.spawn(wi), sample.weight * factor, eta, pdf, branch, odds)
     }
 }
 

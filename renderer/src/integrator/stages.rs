@@ -2,6 +2,7 @@
 
 use super::connect::is_connected;
 pub use super::connect::light_points;
+use super::light_paths::weight_from_camera;
 pub use super::scatter::scatter;
 
 use super::batch::{Batch, Path, Surface};
@@ -61,6 +62,7 @@ pub fn camera_rays(scene: &Scene, batch: &mut Batch) {
         throughput,
         eta_scale: 1.0,
         pdf: None,
+        odds: 0.0,
     };
     let all = (0..).zip(samples.iter().map(|sample| (sample, scene.film.to_image(sample.position))));
     // A loop for each kind, which makes its rays where they stay.
@@ -112,7 +114,12 @@ pub fn emission(scene: &Scene, strategy: Strategy, batch: &mut Batch) {
             let path = batch.paths[*path as usize];
             let pmf = scene.lights.pmf(index, path.ray.origin);
             let pdf = pmf * light.pdf(&scene.accel, &path.ray, hit, ng);
-            let weight = found_weight(strategy, path.pdf, pdf);
+            let mut weight = found_weight(strategy, path.pdf, pdf);
+            // From the first surface itself nothing is found by paths from lights.
+            if path.odds > 0.0 && path.vertex.bounce > 1 {
+                let (point, object) = (interaction.surface.point, interaction.object);
+                weight *= weight_from_camera(scene, path.odds, object, point, interaction.wo);
+            }
             batch.add(path.sample, path.throughput * light.radiance_at(interaction.surface.uv) * weight);
         }
     }

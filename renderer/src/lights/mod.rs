@@ -14,12 +14,14 @@ use crate::ray::{Hit, Ray};
 use crate::sampling::warp;
 
 pub mod area;
+pub mod emission;
 pub mod environment;
 pub mod select;
 pub mod spot;
 mod tree;
 
 pub use area::{AreaLight, LightSampling};
+pub use emission::Emission;
 pub use environment::Environment;
 pub use select::Lights;
 pub use spot::Spot;

@@ -9,7 +9,7 @@ use crate::camera::{Camera, CameraSettings, Projection, Shutter};
 use crate::error::{Error, ParamError};
 use crate::film::Film;
 use crate::interaction::Interaction;
-use crate::lights::{AreaLight, Environment, Light, Lights, Spot};
+use crate::lights::{AreaLight, Emission, Environment, Light, Lights, Spot};
 use crate::materials::{Calls, Material};
 use crate::math::Frame;
 use crate::math::float::round_f32;
@@ -45,6 +45,9 @@ pub struct Scene {
     pub accel: Accel,
     /// The lights.
     pub lights: Lights,
+    /// Where paths from lights begin, if they are asked for and can serve: there is a camera of one perspective, a shape that
+    /// emits, and a surface that isn't diffuse.
+    pub emission: Option<Emission>,
     /// Which light paths are followed.
     pub integrator: IntegratorSettings,
     /// What the scene calls for.
@@ -109,6 +112,11 @@ impl Scene {
         // By light points alone nothing is counted that a path runs into.
         let finds_sky = description.integrator.strategy != Strategy::Light;
         let lights = Lights::new(lights, &accel, [shutter.open, shutter.close], finds_sky);
+        let is_asked = description.integrator.light_paths
+            && matches!(settings.projection, Projection::Perspective { .. });
+        let sends_on = |object: u32| !surfaces[object as usize].material.is_matte();
+        let begin = || Emission::new(lights.as_slice(), &accel, [shutter.open, shutter.close], sends_on);
+        let emission = is_asked.then(begin).flatten();
         let mut scene = Self {
             camera,
             meter,
@@ -116,6 +124,7 @@ impl Scene {
             film,
             accel,
             lights,
+            emission,
             integrator: description.integrator,
             effects: Effects::NONE,
             anisotropic: surfaces.iter().any(|s| s.calls.anisotropic),

@@ -49,6 +49,8 @@ pub struct IntegratorSettings {
     pub hide_emitters: bool,
     /// Whether samples of neighbouring pixels share what their paths find at second surfaces, unless the scene has a shutter.
     pub reuse: bool,
+    /// Whether paths from lights, too, look for what reaches diffuse first surfaces by way of others (`integrator/light_paths.rs`).
+    pub light_paths: bool,
 }
 
 impl IntegratorSettings {
@@ -61,6 +63,7 @@ impl IntegratorSettings {
         light_sampling: LightSampling::Auto,
         hide_emitters: false,
         reuse: false,
+        light_paths: false,
     };
 
     /// Lights and direct light only.

@@ -32,6 +32,9 @@ pub const RELATION_QUICK: f64 = 0.02;
 /// without direct light on what is seen: all of an image's light is shared there, and faults in sharing it move a tenth of it and more.
 pub const SHARED: f64 = 0.1;
 
+/// Largest difference of a row or column between paths from both ends and from the camera alone, relative to the image's mean.
+pub const CAUSTIC: f64 = 0.1;
+
 /// Largest difference of two ways to estimate the same direct light, relative to it.
 pub const ESTIMATORS: f64 = 0.002;
 

@@ -275,6 +275,17 @@ fn neighbours_share_paths_of_one_moment_only() {
 }
 
 #[test]
+fn paths_from_lights_are_refused_where_they_find_nothing() {
+    let render = |more: &[&str]| lightproof("light-paths", &[&["render"], more].concat()).0;
+    // Diffuse surfaces alone; and a range of the samples.
+    assert_refused(&render(&[&reference("cornell"), "--light-paths"]), &["--light-paths", "isn't diffuse"]);
+    let glass = [&reference("glass"), "--light-paths"];
+    assert_eq!(render(&[&glass[..], &["--samples", "0..4"]].concat()).status.code(), Some(2));
+    let sampler = ["--sampler", "halton"];
+    assert_refused(&render(&[&glass[..], &sampler].concat()), &["paths from lights", "sobol"]);
+}
+
+#[test]
 fn an_effect_left_out_is_not_drawn() {
     let scene = reference("thin-lens");
     let common = ["render", &scene, "-D", "res=16", "--spp", "4", "-o"];

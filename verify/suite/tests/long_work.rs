@@ -6,6 +6,8 @@ use std::time::Duration;
 
 const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../references/scenes/soft-shadow.xml");
 
+const GLASS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../references/scenes/glass.xml");
+
 /// An empty folder of that name.
 fn empty(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("long-work").join(name);
@@ -54,12 +56,12 @@ fn kill_after_checkpoint(mut child: Child, checkpoint: &Path, moment: Duration) 
 
 #[test]
 fn a_killed_render_goes_on_to_the_same_bits() {
-    killed_and_resumed("killed", &["--spp", "600"]);
+    killed_and_resumed("killed", &[SCENE, "--spp", "600"]);
 }
 
 #[test]
 fn so_does_one_with_samples_by_error() {
-    killed_and_resumed("killed-allocated", &["--spp", "600", "--sampler", "sobol", "--allocate"]);
+    killed_and_resumed("killed-allocated", &[SCENE, "--spp", "600", "--sampler", "sobol", "--allocate"]);
     let folder = empty("other-samples");
     let cut = path_in(&folder, "cut.exr");
     let work = [
@@ -83,14 +85,23 @@ fn so_does_one_with_samples_by_error() {
 
 #[test]
 fn so_does_one_whose_neighbours_share_paths() {
-    killed_and_resumed("killed-reuse", &["--spp", "600", "--sampler", "sobol", "--allocate", "--reuse"]);
+    killed_and_resumed(
+        "killed-reuse",
+        &[SCENE, "--spp", "600", "--sampler", "sobol", "--allocate", "--reuse"],
+    );
+}
+
+#[test]
+fn so_does_one_with_paths_from_lights() {
+    let work = ["--spp", "200", "--sampler", "sobol", "--allocate", "--light-paths"];
+    killed_and_resumed("killed-light-paths", &[&[GLASS][..], &work].concat());
 }
 
 fn killed_and_resumed(name: &str, work: &[&str]) {
     let folder = empty(name);
     let (whole, cut) = (path_in(&folder, "whole.exr"), path_in(&folder, "cut.exr"));
     let work = [work, &["-D", "res=100", "--checkpoint", "0", "--resume"]].concat();
-    let arguments = |output: &'static str| [&["render", SCENE, "-o"][..], &[output], &work].concat();
+    let arguments = |output: &'static str| [&["render", "-o"][..], &[output], &work].concat();
     succeed(&arguments(whole.clone().leak()));
 
     let checkpoint = folder.join("cut.exr.checkpoint");

@@ -15,6 +15,7 @@ use verify::claim::{Claim, Level, claim};
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 mod allocation;
+mod light_paths;
 mod reuse;
 mod unchanged;
 
@@ -64,6 +65,7 @@ pub(super) fn claims() -> Vec<Claim> {
         ),
     ];
     list.extend(allocation::claims());
+    list.extend(light_paths::claims());
     list.extend(reuse::claims());
     let seldom = [
         ("relation/light/many-quick", "six lights give the sum of what each gives", six_lights as Versions),

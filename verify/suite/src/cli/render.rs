@@ -28,6 +28,7 @@ const EXAMPLES: &str = "Examples:
   lightproof render glass.xml --integrator distribution --branch both --replicates 32
   lightproof render scene.xml --spp 64 --allocate          most samples where the image is most uncertain
   lightproof render scene.xml --spp 64 --allocate --reuse  and light between surfaces shared by neighbours
+  lightproof render glass.xml --spp 64 --allocate --light-paths  and caustics by paths from the lights
   lightproof render scene.xml --spp 4096 --resume          go on where a run was cut off
   lightproof render scene.xml --spp 64 --samples 0..8 -o first.part
 
@@ -78,6 +79,9 @@ pub(super) struct Args {
     /// Lets samples of neighbouring pixels share what their paths find; neighbours then have errors in common
     #[arg(long)]
     reuse: bool,
+    /// Lets paths from lights, too, look for what reaches diffuse surfaces by way of glass and metal (caustics)
+    #[arg(long, conflicts_with = "samples")]
+    light_paths: bool,
     /// Goes on from the checkpoint of a run of the same scene and options that was cut off, if there is one
     #[arg(long)]
     resume: bool,
@@ -131,6 +135,11 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     if args.reuse && !integrator.reuses(&scene) {
         return Err(CliError::Arguments(
             "--reuse: samples of different moments can't share paths; a scene without shutter is accepted, as by --without shutter".into(),
+        ));
+    }
+    if args.light_paths && scene.emission.is_none() {
+        return Err(CliError::Arguments(
+            "--light-paths: a scene with a perspective camera, a shape that emits and a surface that isn't diffuse is accepted".into(),
         ));
     }
     let origin = Origin {
@@ -212,6 +221,7 @@ fn apply(args: &Args, description: &mut SceneDescription) -> Result<(), CliError
     description.sampler.spp = args.spp.unwrap_or(description.sampler.spp);
     let integrator = &mut description.integrator;
     integrator.reuse = args.reuse;
+    integrator.light_paths = args.light_paths;
     match args.integrator.as_deref() {
         Some("direct") => integrator.max_depth = Some(2),
         Some("distribution") => integrator.branch = Branch::Both,

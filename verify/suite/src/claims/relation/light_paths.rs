@@ -1,0 +1,137 @@
+//! Paths from lights, and what is left to those from the camera beside them, give each pixel what the latter give alone.
+
+use std::sync::{Arc, LazyLock};
+
+use glam::{DAffine3, DVec3};
+use renderer::camera::Projection;
+use renderer::film::{FilmSettings, Filter};
+use renderer::materials::Ggx;
+use renderer::math::Rgb;
+use renderer::sampling::SamplerKind;
+use renderer::scene::{IntegratorSettings, ObjectSettings, Scene};
+use renderer::shapes::{MeshData, ShapeSettings};
+use verify::claim::{Claim, claim};
+use verify::mean::{joint_control, joint_evidence};
+
+use crate::bounds;
+use crate::setup::{
+    built, difference_of_images, diffuse, glass, ground_glass, image, lamp, mean, rectangle_at, remembering,
+    rough_mirror, spot, thing,
+};
+
+/// Samples a pixel and replicate.
+const SAMPLES: u32 = 512;
+
+/// Pixels in a row, and rows.
+const SIDE: u32 = 4;
+
+/// The rows and columns of an image of each room.
+const LINES: usize = 2 * OF_ROOM;
+const OF_ROOM: usize = 2 * SIDE as usize;
+
+pub(super) fn claims() -> Vec<Claim> {
+    let rooms = LazyLock::new(|| [smooth, ground].map(|room| [false, true].map(room)));
+    let rooms = Arc::new(rooms);
+    let known = rooms.clone();
+    let value = Arc::new(remembering(move |way, seed| pixels(&rooms[way / 2][way % 2], seed)));
+    let differences = Arc::new(LazyLock::new(move || {
+        let of_room = |room: &[Scene; 2]| {
+            let unit = mean(&image(&room[0], SamplerKind::Sobol, SAMPLES, 0));
+            difference_of_images(unit, bounds::CAUSTIC)
+        };
+        std::array::from_fn::<_, LINES, _>(|i| of_room(&known[i / OF_ROOM]))
+    }));
+    // What an image with paths from lights has more of in a line than one by paths from the camera alone.
+    let alone = |i: usize| 2 * (i / OF_ROOM);
+    let more = move |value: &dyn Fn(usize, u64) -> Arc<[f64]>, i: usize, seed: u64| {
+        line(i, &value(alone(i) + 1, seed)) - line(i, &value(alone(i), seed))
+    };
+    let (differences_2, differences_3) = (differences.clone(), differences.clone());
+    let (control, turned) = (value.clone(), value.clone());
+    let same = claim(
+        "relation/light-paths/same-lines",
+        "with paths from lights, the means of an image's rows and columns are those of paths from the camera alone",
+    )
+    .bound(bounds::CAUSTIC)
+    .rejects("2.2 × resolution", move |run| {
+        joint_control(differences_2.as_slice(), run, |i, seed| more(&*control, i, seed))
+    })
+    .rejects("upside down", move |run| {
+        joint_evidence(differences_3.as_slice(), run, |i, seed| {
+            let pixels = turned(alone(i) + 1, seed);
+            let upside_down: Vec<f64> = pixels.iter().rev().copied().collect();
+            line(i, &upside_down) - line(i, &turned(alone(i), seed))
+        })
+    })
+    .by(move |run| joint_evidence(differences.as_slice(), run, |i, seed| more(&*value, i, seed)));
+    vec![same]
+}
+
+/// A floor seen from above, with a ball of glass over it and a rough mirror beside, flat but for its shading normals.
+fn smooth(light_paths: bool) -> Scene {
+    let ball = ShapeSettings::Sphere { center: DVec3::new(-0.4, -0.6, 0.3), radius: 0.25 };
+    let mirror = MeshData {
+        positions: vec![[0.7, -1.0, -0.5], [0.7, -1.0, 0.3], [0.7, -0.3, 0.3], [0.7, -0.3, -0.5]],
+        normals: Some(vec![[-1.0, 0.6, 0.3], [-1.0, 0.6, -0.3], [-1.0, -0.2, -0.3], [-1.0, -0.2, 0.3]]),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    };
+    let objects = vec![
+        thing(ball, DAffine3::IDENTITY, glass(1.5)),
+        thing(ShapeSettings::Mesh(Arc::new(mirror)), DAffine3::IDENTITY, rough_mirror(0.2, 0.9)),
+        lamp_at(DVec3::new(0.1, 0.9, 0.0), 0.2, 1.0),
+    ];
+    room(objects, [0.0, 1.25], Filter::PIXEL, IntegratorSettings { light_paths, ..IntegratorSettings::PATH })
+}
+
+/// The same with a ball of ground glass, two lamps, a lens and a filter wider than a pixel, by roulette from the first surface on.
+fn ground(light_paths: bool) -> Scene {
+    let ball = ShapeSettings::Sphere { center: DVec3::new(0.3, -0.6, 0.3), radius: 0.3 };
+    let objects = vec![
+        thing(ball, DAffine3::IDENTITY, ground_glass(Ggx { alpha: [0.2; 2] }.into(), 1.5)),
+        lamp_at(DVec3::new(-0.3, 0.9, 0.2), 0.3, 1.0),
+        lamp_at(DVec3::new(0.6, 0.7, 0.3), 0.1, 6.0),
+    ];
+    let integrator = IntegratorSettings { light_paths, rr_depth: 1, ..IntegratorSettings::PATH };
+    room(objects, [0.05, 1.0], Filter::Tent { radius: 1.0 }, integrator)
+}
+
+/// A square lamp that shines downwards.
+fn lamp_at(middle: DVec3, half: f64, radiance: f32) -> ObjectSettings {
+    let to_world = rectangle_at(middle, half * DVec3::X, half * DVec3::Z);
+    ObjectSettings { radiance: Rgb::splat(radiance).into(), ..lamp(ShapeSettings::Rectangle, to_world) }
+}
+
+/// `objects` over a floor, of which a camera with a lens of that radius and distance of focus sees the middle.
+fn room(
+    mut objects: Vec<ObjectSettings>,
+    lens: [f64; 2],
+    filter: Filter,
+    integrator: IntegratorSettings,
+) -> Scene {
+    let floor = rectangle_at(-DVec3::Y, DVec3::Z, DVec3::X);
+    objects.push(thing(ShapeSettings::Rectangle, floor, diffuse(0.8)));
+    let integrator = IntegratorSettings { max_depth: Some(5), ..integrator };
+    let mut description = spot(0.25 * DVec3::Y, -DVec3::Y, objects, integrator);
+    description.film = FilmSettings { width: SIDE, height: SIDE, filter, ..description.film };
+    if let Projection::Perspective { fov, lens_radius, focus_distance, .. } =
+        &mut description.camera.projection
+    {
+        *fov = 60.0;
+        [*lens_radius, *focus_distance] = lens;
+    }
+    built(&description)
+}
+
+/// The means of an image's pixels over channels, row by row.
+fn pixels(scene: &Scene, seed: u64) -> Arc<[f64]> {
+    let image = image(scene, SamplerKind::Sobol, SAMPLES, seed);
+    image.pixels.iter().map(|pixel| pixel.mean.iter().sum::<f64>() / 3.0).collect()
+}
+
+/// The mean of a row, or after the rows of a column, of the room that the line is of.
+fn line(i: usize, pixels: &[f64]) -> f64 {
+    let (line, side) = (i % OF_ROOM, SIDE as usize);
+    let place = |k: usize| if line < side { line * side + k } else { k * side + line - side };
+    (0..side).map(|k| pixels[place(k)]).sum::<f64>() / f64::from(SIDE)
+}
