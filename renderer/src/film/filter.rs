@@ -157,6 +157,17 @@ impl FilterSampler {
         self.filter.radius()
     }
 
+    /// The most pixels whose filters hold one position.
+    pub fn pixels(&self) -> u32 {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "filters are some pixels wide"
+        )]
+        let wide = (2.0 * self.radius()).ceil() as u32;
+        wide.saturating_mul(wide)
+    }
+
     /// f / ∫f at a distance.
     ///
     /// # Measure

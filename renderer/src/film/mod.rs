@@ -218,6 +218,7 @@ mod tests {
         let film = film(Filter::Tent { radius: 1.0 });
         let found = splats(&film, [4.75, 3.25]);
         assert_eq!(found, [([2, 1], 0.1875), ([3, 1], 0.0625), ([2, 2], 0.5625), ([3, 2], 0.1875)]);
+        assert_eq!(film.filter.pixels(), 4);
         // Half of a tent is beyond the image's edge.
         assert_eq!(splats(&film, [2.0, 3.25]), [([0, 1], 0.125), ([0, 2], 0.375)]);
     }

@@ -16,6 +16,7 @@ use verify::quadrature::{Tolerance, integrate};
 use crate::setup::rectangle_at;
 
 mod density;
+mod emission;
 mod environment;
 mod moving;
 mod solid_angle;
@@ -31,6 +32,7 @@ pub(super) fn claims() -> Vec<Claim> {
     }
     list.extend(density::later(cylinder()));
     list.extend(solid_angle::claims());
+    list.extend(emission::claims());
     list.extend(environment::claims());
     list.extend(moving::claims());
     list.extend(spot::claims());

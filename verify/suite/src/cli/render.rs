@@ -143,7 +143,7 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
         ));
     }
     let origin = Origin {
-        shared_by: if integrator.reuses(&scene) { MATES } else { 1 },
+        shared_by: shared_by(&scene, &integrator),
         ..Origin::new(description.hash, &settings, &how, description.film.reconstruction)
     };
     let checkpoint = Checkpoint::beside(&output, origin.clone(), Duration::from_secs_f64(args.checkpoint));
@@ -165,6 +165,13 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     kind.write(&output, &origin, &part, start.elapsed())?;
     checkpoint.remove()?;
     Ok(Status::Good)
+}
+
+/// By how many pixels errors are shared: those whose paths are, or those that a path from a light reaches.
+fn shared_by(scene: &Scene, integrator: &PathTracer) -> u32 {
+    let mates = if integrator.reuses(scene) { MATES } else { 1 };
+    let reached = if scene.emission.is_some() { scene.film.filter.pixels() } else { 1 };
+    mates.max(reached)
 }
 
 fn settings(args: &Args, description: &SceneDescription) -> RenderSettings {
