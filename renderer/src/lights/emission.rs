@@ -43,7 +43,7 @@ pub struct Emitted {
     pub surface: SurfacePoint,
     /// The unit direction away from it.
     pub direction: Vec3,
-    /// Radiance times the cosine at the light over the density of point and direction [W].
+    /// Radiance times the cosine at the light over the density of point and direction \[W\].
     pub power: Rgb,
     /// That density [m⁻² sr⁻¹], as [`Emission::density`] gives it.
     pub density: f32,

@@ -3,12 +3,13 @@
 use std::sync::{Arc, LazyLock};
 
 use glam::{DAffine3, DVec3};
-use renderer::camera::Projection;
+use renderer::camera::{Projection, Shutter};
 use renderer::film::{FilmSettings, Filter};
 use renderer::materials::Ggx;
 use renderer::math::Rgb;
+use renderer::math::transform::Motion;
 use renderer::sampling::SamplerKind;
-use renderer::scene::{IntegratorSettings, ObjectSettings, Scene};
+use renderer::scene::{IntegratorSettings, ObjectSettings, Scene, SceneDescription};
 use renderer::shapes::{MeshData, ShapeSettings};
 use verify::claim::{Claim, claim};
 use verify::mean::{joint_control, joint_evidence};
@@ -81,19 +82,26 @@ fn smooth(light_paths: bool) -> Scene {
         thing(ShapeSettings::Mesh(Arc::new(mirror)), DAffine3::IDENTITY, rough_mirror(0.2, 0.9)),
         lamp_at(DVec3::new(0.1, 0.9, 0.0), 0.2, 1.0),
     ];
-    room(objects, [0.0, 1.25], Filter::PIXEL, IntegratorSettings { light_paths, ..IntegratorSettings::PATH })
+    let integrator = IntegratorSettings { light_paths, ..IntegratorSettings::PATH };
+    built(&room(objects, [0.0, 1.25], Filter::PIXEL, integrator))
 }
 
-/// The same with a ball of ground glass, two lamps, a lens and a filter wider than a pixel, by roulette from the first surface on.
+/// The same with a ball of ground glass that moves, two lamps, a lens, a shutter and a filter wider than a pixel, by roulette from the first
+/// surface on.
 fn ground(light_paths: bool) -> Scene {
     let ball = ShapeSettings::Sphere { center: DVec3::new(0.3, -0.6, 0.3), radius: 0.3 };
+    let moved = DAffine3::from_translation(DVec3::new(-0.3, 0.1, -0.2));
+    let slide = Motion::keyed(vec![(0.0, DAffine3::IDENTITY), (1.0, moved)]).expect("two keys in order");
+    let ball = thing(ball, DAffine3::IDENTITY, ground_glass(Ggx { alpha: [0.2; 2] }.into(), 1.5));
     let objects = vec![
-        thing(ball, DAffine3::IDENTITY, ground_glass(Ggx { alpha: [0.2; 2] }.into(), 1.5)),
+        ObjectSettings { to_world: slide, ..ball },
         lamp_at(DVec3::new(-0.3, 0.9, 0.2), 0.3, 1.0),
         lamp_at(DVec3::new(0.6, 0.7, 0.3), 0.1, 6.0),
     ];
     let integrator = IntegratorSettings { light_paths, rr_depth: 1, ..IntegratorSettings::PATH };
-    room(objects, [0.05, 1.0], Filter::Tent { radius: 1.0 }, integrator)
+    let mut description = room(objects, [0.05, 1.0], Filter::Tent { radius: 1.0 }, integrator);
+    description.camera.shutter = Shutter { close: 1.0, ..Shutter::INSTANT };
+    built(&description)
 }
 
 /// A square lamp that shines downwards.
@@ -108,7 +116,7 @@ fn room(
     lens: [f64; 2],
     filter: Filter,
     integrator: IntegratorSettings,
-) -> Scene {
+) -> SceneDescription {
     let floor = rectangle_at(-DVec3::Y, DVec3::Z, DVec3::X);
     objects.push(thing(ShapeSettings::Rectangle, floor, diffuse(0.8)));
     let integrator = IntegratorSettings { max_depth: Some(5), ..integrator };
@@ -120,7 +128,7 @@ fn room(
         *fov = 60.0;
         [*lens_radius, *focus_distance] = lens;
     }
-    built(&description)
+    description
 }
 
 /// The means of an image's pixels over channels, row by row.
