@@ -16,7 +16,7 @@ use crate::sampling::{
 use crate::scene::Scene;
 use light_image::LightImage;
 
-mod light_image;
+pub mod light_image;
 pub mod pilot;
 
 /// Samples that travel together: few enough for the lists of all stages to stay in a core's own cache.

@@ -12,10 +12,13 @@ use crate::sampling::Sampler;
 const TOGETHER: u64 = 1024;
 
 /// Batches whose results are kept until they are added, in their order.
-const KEPT: usize = 256;
+const KEPT: u64 = 256;
 
 /// Paths with numbers of one set.
 const SET: u64 = 1 << 20;
+
+/// Memory that a pixel takes for each replicate.
+pub const BYTES: u64 = size_of::<[f64; 3]>() as u64;
 
 /// The light that each pixel gets, replicate by replicate.
 #[derive(Debug)]
@@ -48,10 +51,10 @@ impl<I: Integrator> Finish<'_, I> {
         let paths = LightPaths { scene: self.scene, emission, sampler };
         for replicate in 0..self.settings.replicates {
             let mut sums = vec![[0.0; 3]; image.width * film.height as usize];
-            let starts: Vec<u64> = (0..count.div_ceil(TOGETHER)).map(|batch| batch * TOGETHER).collect();
-            for starts in starts.chunks(KEPT) {
-                let trace = |batch: &mut Batch, &start: &u64| {
-                    let end = count.min(start + TOGETHER);
+            let batches = count.div_ceil(TOGETHER);
+            for kept in (0..batches.div_ceil(KEPT)).map(|k| k * KEPT..batches.min((k + 1) * KEPT)) {
+                let trace = |batch: &mut Batch, index: u64| {
+                    let (start, end) = (index * TOGETHER, count.min((index + 1) * TOGETHER));
                     #[expect(
                         clippy::cast_possible_truncation,
                         reason = "places in a set, and fewer than 2³² sets"
@@ -62,7 +65,7 @@ impl<I: Integrator> Finish<'_, I> {
                     (paths.trace(replicate, set, first..last, batch), batch.dropped)
                 };
                 let found: Vec<(Vec<Splat>, u64)> =
-                    starts.par_iter().map_init(Batch::default, trace).collect();
+                    kept.into_par_iter().map_init(Batch::default, trace).collect();
                 image.dropped += found.iter().map(|(_, dropped)| dropped).sum::<u64>();
                 for splat in found.iter().flat_map(|(splats, _)| splats) {
                     let value = splat.value.to_array().map(|v| f64::from(v) / count as f64);

@@ -12,7 +12,7 @@ use renderer::integrator::reuse::MATES;
 use renderer::integrator::{Integrator, PathTracer};
 use renderer::io;
 use renderer::io::part::Origin;
-use renderer::render::{self, RenderSettings, pilot};
+use renderer::render::{self, RenderSettings, light_image, pilot};
 use renderer::sampling::SamplerKind;
 use renderer::scene::{Branch, Effect, IntegratorSettings, Scene, SceneDescription};
 
@@ -200,7 +200,9 @@ fn empty_part(
     }
     let [width, height] = description.film.size();
     let part = Part::new([width, height], settings.replicates, [range.start, range.end]);
-    let needed = part.bytes();
+    let pixels = u64::from(width) * u64::from(height);
+    let lights = if args.light_paths { light_image::BYTES * u64::from(settings.replicates) } else { 0 };
+    let needed = part.bytes() + pixels * lights;
     match available_memory() {
         Some(available) if needed > available => Err(CliError::Arguments(format!(
             "a film of {width} × {height} pixels in {} replicates needs {:.1} GiB, and {:.1} GiB are free",
