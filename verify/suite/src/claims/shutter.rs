@@ -28,7 +28,8 @@ pub(super) fn claims() -> Vec<Claim> {
         edge("shutter/edge/triangle", Opening::Triangle, (Level::Standard, 2048)),
         edge("shutter/edge/quick", Opening::Box, (Level::Quick, 64)),
         camera(),
-        disk(),
+        disk("shutter/disk/sweep", (Level::Standard, 4096)),
+        disk("shutter/disk/quick", (Level::Quick, 64)),
         sector_claim(),
         energy(),
     ]
@@ -111,6 +112,11 @@ fn edge_exact(opening: Opening) -> Vec<Exact> {
     VELOCITIES.map(row).into()
 }
 
+/// The bound on a pixel's error at a level.
+fn pixel_bound(level: Level) -> f64 {
+    if level == Level::Quick { bounds::PIXEL_QUICK } else { bounds::PIXEL }
+}
+
 fn edge(id: &'static str, opening: Opening, (level, samples): (Level, u32)) -> Claim {
     let how = if opening == Opening::Box { "fully open" } else { "that opens and closes linearly" };
     Films {
@@ -121,7 +127,7 @@ fn edge(id: &'static str, opening: Opening, (level, samples): (Level, u32)) -> C
         level,
         samples,
         unit: 1.0,
-        bound: if level == Level::Quick { bounds::PIXEL_QUICK } else { bounds::PIXEL },
+        bound: pixel_bound(level),
         right: RIGHT,
         wrong: mistakes(),
     }
@@ -170,7 +176,7 @@ fn moving_disk([close, shift]: Mistake) -> SceneDescription {
     description
 }
 
-fn disk() -> Claim {
+fn disk(id: &'static str, (level, samples): (Level, u32)) -> Claim {
     let exact = || {
         let value = |[x, y]: [f64; 2]| {
             let x = x - DISK_START;
@@ -181,14 +187,14 @@ fn disk() -> Claim {
         vec![Exact::pixels(["pixel, row by row", "radiance"], pixels)]
     };
     Films {
-        id: String::from("shutter/disk/sweep"),
+        id: String::from(id),
         says: String::from(
             "pixels that a disk moves across are covered for the area and time that it shares with them",
         ),
-        level: Level::Standard,
-        samples: 4096,
+        level,
+        samples,
         unit: 1.0,
-        bound: bounds::PIXEL,
+        bound: pixel_bound(level),
         right: RIGHT,
         wrong: mistakes(),
     }
