@@ -28,7 +28,7 @@ const EXAMPLES: &str = "Examples:
   lightproof render glass.xml --integrator distribution --branch both --replicates 32
   lightproof render scene.xml --spp 64 --allocate          most samples where the image is most uncertain
   lightproof render scene.xml --spp 64 --allocate --reuse  and light between surfaces shared by neighbours
-  lightproof render glass.xml --spp 64 --allocate --light-paths  and caustics by paths from the lights
+  lightproof render glass.xml --spp 64 --light-paths       caustics found by paths from the lights, too
   lightproof render scene.xml --spp 4096 --resume          go on where a run was cut off
   lightproof render scene.xml --spp 64 --samples 0..8 -o first.part
 
