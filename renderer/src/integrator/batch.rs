@@ -5,7 +5,6 @@ use crate::interaction::Interaction;
 use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 use crate::sampling::{Decision, Place, SampleId, Sampler, Vertex};
-use crate::scene::Scene;
 
 /// One sample of a pixel, on its way from a place on the film to a radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,31 +163,26 @@ impl Draws {
         self.places.extend(surfaces.map(place));
     }
 
-    /// Numbers for lobes and directions at the places asked for, as far as the scene's materials decide these.
+    /// Numbers for a decision of one dimension at the places asked for; zeros if nobody makes it.
     #[inline]
-    pub fn lobes_and_directions<S: Sampler>(&mut self, scene: &Scene, sampler: &S) {
-        if scene.decides(Decision::Lobe) {
-            sampler.draw_1d_each(&self.places, Decision::Lobe, &mut self.choices);
+    pub fn choices<S: Sampler>(&mut self, sampler: &S, decision: Decision, is_made: bool) {
+        if is_made {
+            sampler.draw_1d_each(&self.places, decision, &mut self.choices);
         } else {
-            self.no_choices();
-        }
-        if scene.decides(Decision::Direction) {
-            sampler.draw_2d_each(&self.places, Decision::Direction, &mut self.points);
-        } else {
-            self.no_points();
+            self.choices.clear();
+            self.choices.resize(self.places.len(), 0.0);
         }
     }
 
-    /// Zeros for a decision that nobody makes.
-    pub fn no_choices(&mut self) {
-        self.choices.clear();
-        self.choices.resize(self.places.len(), 0.0);
-    }
-
-    /// Zeros for a decision that nobody makes.
-    pub fn no_points(&mut self) {
-        self.points.clear();
-        self.points.resize(self.places.len(), [0.0; 2]);
+    /// Numbers for a decision of two dimensions, likewise.
+    #[inline]
+    pub fn points<S: Sampler>(&mut self, sampler: &S, decision: Decision, is_made: bool) {
+        if is_made {
+            sampler.draw_2d_each(&self.places, decision, &mut self.points);
+        } else {
+            self.points.clear();
+            self.points.resize(self.places.len(), [0.0; 2]);
+        }
     }
 }
 

@@ -30,16 +30,8 @@ pub fn light_points<S: Sampler>(
     let is_lit = |surface: &&Surface| !scene.calls_for(surface.interaction.object).delta_only;
     let lit: Vec<&Surface> = surfaces.iter().filter(is_lit).collect();
     draws.at_surfaces(lit.iter().copied(), paths, samples);
-    if scene.lights.needs_choice() {
-        sampler.draw_1d_each(&draws.places, Decision::LightChoice, &mut draws.choices);
-    } else {
-        draws.no_choices();
-    }
-    if scene.lights.have_extent() {
-        sampler.draw_2d_each(&draws.places, Decision::LightPoint, &mut draws.points);
-    } else {
-        draws.no_points();
-    }
+    draws.choices(sampler, Decision::LightChoice, scene.lights.needs_choice());
+    draws.points(sampler, Decision::LightPoint, scene.lights.have_extent());
     let to = Connector { scene, strategy, alone: last && suffice(scene, strategy), paths };
     let mut connect = |surface: &Surface, contribution: Rgb, ray: Ray| {
         connections.push(Connection { sample: paths[surface.path as usize].sample, contribution });

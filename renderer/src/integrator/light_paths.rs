@@ -50,7 +50,7 @@ pub struct Splat {
 /// Where samples of the camera are on a surface, in pixels per m².
 ///
 /// * `direction`: the unit direction from the camera to the point `at`; `distance`: how far that is.
-fn pixels_per_area(scene: &Scene, at: &Interaction, direction: Vec3, distance: f32) -> f32 {
+pub(super) fn pixels_per_area(scene: &Scene, at: &Interaction, direction: Vec3, distance: f32) -> f32 {
     let cos = at.surface.ng.dot(direction).abs();
     pixels(scene) * scene.camera.per_steradian(direction, at.time) * cos / (distance * distance)
 }
@@ -61,9 +61,9 @@ fn pixels(scene: &Scene) -> f32 {
     width * height
 }
 
-/// The odds behind a diffuse first surface, up to the density of the start at the light.
-pub(super) fn odds_at_first(scene: &Scene, at: &Interaction, direction: Vec3, distance: f32) -> f32 {
-    PER_SAMPLE * PI * pixels(scene) / pixels_per_area(scene, at, direction, distance)
+/// The odds behind a diffuse first surface with so many pixels per m², up to the density of the start at the light.
+pub(super) fn odds_at_first(scene: &Scene, pixels_per_area: f32) -> f32 {
+    PER_SAMPLE * PI * pixels(scene) / pixels_per_area
 }
 
 /// By what a surface that is met between directions to the camera's side, `wo`, and to the light's side, `wi`, multiplies the odds.
@@ -77,7 +77,7 @@ pub(super) fn odds_over(bsdf: &Bsdf, [wo, wi]: [Vec3; 2], pdf: f32, cosines: [f3
 /// The same for a direction `wi` that has been drawn.
 pub(super) fn odds_of_sample(bsdf: &Bsdf, wo: Vec3, sample: &BsdfSample, cosines: [f32; 2]) -> f32 {
     match sample.lobe {
-        Lobe::Delta => 1.0 / squeezing(sample),
+        Lobe::Delta => 1.0 / sample.squeezing(),
         Lobe::Spread => odds_over(bsdf, [wo, sample.wi], sample.pdf, cosines),
     }
 }
@@ -88,11 +88,6 @@ pub(super) fn weight_from_camera(scene: &Scene, odds: f32, object: u32, point: V
     let density = scene.emission.as_ref().map_or(0.0, |emission| emission.density(object, point, direction));
     let odds = odds * density;
     if odds > 0.0 { 1.0 / (1.0 + odds) } else { 1.0 }
-}
-
-/// By what refraction squeezes solid angles from the side of `wo` to that of `wi`.
-fn squeezing(sample: &BsdfSample) -> f32 {
-    if sample.transmitted { sample.eta_rel * sample.eta_rel } else { 1.0 }
 }
 
 /// How paths from lights are followed.
@@ -149,12 +144,8 @@ impl<S: Sampler> LightPaths<'_, S> {
         let Self { scene, emission, sampler } = self;
         let Batch { samples, paths, draws, .. } = batch;
         draws.at_camera(samples);
-        if emission.needs_choice() {
-            sampler.draw_1d_each(&draws.places, Decision::LightChoice, &mut draws.choices);
-        } else {
-            draws.no_choices();
-        }
-        sampler.draw_2d_each(&draws.places, Decision::LightPoint, &mut draws.points);
+        draws.choices(*sampler, Decision::LightChoice, emission.needs_choice());
+        draws.points(*sampler, Decision::LightPoint, true);
         let mut directions = Vec::new();
         sampler.draw_2d_each(&draws.places, Decision::Direction, &mut directions);
         let drawn = draws.choices.iter().zip(draws.points.iter().zip(&directions));
@@ -179,7 +170,8 @@ impl<S: Sampler> LightPaths<'_, S> {
         let Self { scene, sampler, .. } = self;
         let Batch { surfaces, paths, next, samples, shadow_rays, draws, dropped, .. } = batch;
         draws.at_surfaces(surfaces.iter(), paths, samples);
-        draws.lobes_and_directions(scene, *sampler);
+        draws.choices(*sampler, Decision::Lobe, scene.decides(Decision::Lobe));
+        draws.points(*sampler, Decision::Direction, scene.decides(Decision::Direction));
         next.clear();
         let Draws { choices, points, .. } = draws;
         for (surface, (&u_lobe, &u)) in surfaces.iter().zip(choices.iter().zip(points.iter())) {
@@ -217,14 +209,12 @@ impl<S: Sampler> LightPaths<'_, S> {
         if cos_shading <= 0.0 || cos == 0.0 {
             return None;
         }
-        let odds = path.odds * odds_at_first(scene, at, direction, distance);
+        let pixels_per_area = pixels_per_area(scene, at, direction, distance);
+        let odds = path.odds * odds_at_first(scene, pixels_per_area);
         let weight = 1.0 / (1.0 + 1.0 / odds);
         // Light arrives on the surface itself, and what it sends is a matter of the shading normal.
         let sent = FRAC_1_PI * (cos_shading / cos) * weight;
-        let value = sample.radiance
-            * path.throughput
-            * matte.reflectance()
-            * (sent * pixels_per_area(scene, at, direction, distance));
+        let value = sample.radiance * path.throughput * matte.reflectance() * (sent * pixels_per_area);
         let position = scene.film.to_pixels(sight.place);
         (!value.is_black()).then(|| (Splat { position, value }, at.spawn_to_point(sight.from)))
     }
@@ -241,7 +231,7 @@ impl<S: Sampler> LightPaths<'_, S> {
         let cosines = [at.wo, wi].map(|w| at.surface.ng.dot(w).abs());
         let shading = [wo, sample.wi].map(|w| w.z.abs());
         // f·η² is the same in both directions, and so is a flow of light through the surface itself.
-        let adjoint = squeezing(&sample) * (shading[0] * cosines[1]) / (shading[1] * cosines[0]);
+        let adjoint = sample.squeezing() * (shading[0] * cosines[1]) / (shading[1] * cosines[0]);
         if !adjoint.is_finite() {
             // Along the surface: nothing flows through it that way.
             return None;

@@ -3,7 +3,7 @@
 use wide::f32x8;
 
 use super::batch::{Batch, Path, Surface};
-use super::light_paths::{odds_at_first, odds_of_sample};
+use super::light_paths::{odds_at_first, odds_of_sample, pixels_per_area};
 use super::stages::frame;
 use crate::interaction::EightPoints;
 use crate::materials::{Branch as MaterialBranch, Bsdf, BsdfSample, Lobe, Matte};
@@ -21,7 +21,8 @@ const FORK_MIN: f32 = 1.0 / 64.0;
 pub fn scatter<S: Sampler>(scene: &Scene, sampler: &S, branch: Branch, batch: &mut Batch) {
     let Batch { surfaces, paths, next, samples, draws, .. } = batch;
     draws.at_surfaces(surfaces.iter(), paths, samples);
-    draws.lobes_and_directions(scene, sampler);
+    draws.choices(sampler, Decision::Lobe, scene.decides(Decision::Lobe));
+    draws.points(sampler, Decision::Direction, scene.decides(Decision::Direction));
     next.clear();
     let drawn = surfaces.chunks(LANES).zip(draws.choices.chunks(LANES).zip(draws.points.chunks(LANES)));
     for (surfaces, (choices, points)) in drawn {
@@ -30,7 +31,8 @@ pub fn scatter<S: Sampler>(scene: &Scene, sampler: &S, branch: Branch, batch: &m
             let path = &paths[surface.path as usize];
             if let Some(reflectance) = matte.reflectances[lane] {
                 let odds = if scene.emission.is_some() && path.vertex.bounce == 0 {
-                    odds_at_first(scene, &surface.interaction, path.ray.direction, surface.hit.t)
+                    let (at, direction) = (&surface.interaction, path.ray.direction);
+                    odds_at_first(scene, pixels_per_area(scene, at, direction, surface.hit.t))
                 } else {
                     0.0
                 };
@@ -119,9 +121,8 @@ impl<S: Sampler> Bounce<'_, S> {
             }
         };
         if !bsdf.forks() || branch == Branch::Fresnel {
-            next.extend(
-                bsdf.sample(wo, self.u_lobe, self.u).and_then(|s| self.path_along(&s, vertex.branch, 1.0)),
-            );
+            let sample = bsdf.sample(wo, self.u_lobe, self.u);
+            next.extend(sample.and_then(|s| self.path_along(&bsdf, &s, vertex.branch, 1.0)));
             return;
         }
         let reflected = bsdf.branch_probability_fresnel(wo);
@@ -162,23 +163,21 @@ impl<S: Sampler> Bounce<'_, S> {
         let sample = bsdf.sample_branch(wo, which, u)?;
         // the weights of light and material samples add up to 1 for any density that both agree on
         let pdf = bsdf.pdf(wo, sample.wi);
-        self.path_along(&BsdfSample { pdf, ..sample }, branch, factor)
+        self.path_along(bsdf, &BsdfSample { pdf, ..sample }, branch, factor)
     }
 
     /// The path along a sample of the material, its throughput times `factor`.
-    fn path_along(&self, sample: &BsdfSample, branch: u32, factor: f32) -> Option<Path> {
+    fn path_along(&self, bsdf: &Bsdf, sample: &BsdfSample, branch: u32, factor: f32) -> Option<Path> {
         let at = &self.surface.interaction;
         let wi = self.frame.to_world(sample.wi);
         let odds = if self.path.odds > 0.0 {
-            let bsdf = self.scene.material(at.object).bsdf(at.surface.uv);
             let cosines = [at.wo, wi].map(|w| at.surface.ng.dot(w));
-            self.path.odds * odds_of_sample(&bsdf, self.frame.to_local(at.wo), sample, cosines)
+            self.path.odds * odds_of_sample(bsdf, self.frame.to_local(at.wo), sample, cosines)
         } else {
             0.0
         };
-        let eta = if sample.transmitted { sample.eta_rel * sample.eta_rel } else { 1.0 };
         let pdf = (sample.lobe == Lobe::Spread).then_some(sample.pdf);
-        self.path.along(at.spawn(wi), sample.weight * factor, eta, pdf, branch, odds)
+        self.path.along(at.spawn(wi), sample.weight * factor, sample.squeezing(), pdf, branch, odds)
     }
 }
 

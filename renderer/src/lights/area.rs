@@ -57,7 +57,7 @@ impl AreaLight {
     /// The light that `shape`, the object of index `object`, is.
     pub fn new(object: u32, shape: &Object, radiance: Texture, sampling: LightSampling) -> Self {
         let bounds = shape.bounds([0.0; 2]);
-        let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+        let [middle, half] = bounds.middle_and_half();
         let near = match (sampling, &shape.shape) {
             (LightSampling::Area, _) => 0.0,
             (LightSampling::SolidAngle, _) | (LightSampling::Auto, Shape::Sphere(_)) => f32::INFINITY,

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::Light;
+use super::{AreaLight, Light};
 use crate::accel::{Accel, Object};
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
@@ -21,8 +21,8 @@ const MOST_TARGETS: usize = 16;
 /// fill, each of which is chosen as often.
 #[derive(Debug, Clone)]
 pub struct Emission {
-    /// The objects that emit, and the distribution over them.
-    sources: Vec<(u32, Light)>,
+    /// The lights that are shapes, and the distribution over them.
+    sources: Vec<AreaLight>,
     choice: Discrete,
     /// The density per m² of points on each object that emits, by its index; 0 for the others.
     densities: Vec<f32>,
@@ -64,11 +64,11 @@ impl Emission {
         let (mut sources, mut powers) = (Vec::new(), Vec::new());
         for light in lights {
             let Light::Area(area) = light else { continue };
-            sources.push((area.object, light.clone()));
+            sources.push(area.clone());
             powers.push(f64::from(area.radiance.mean()) * objects[area.object as usize].shape.area());
         }
         let choice = Discrete::new(&powers).ok()?;
-        for ((object, _), power) in sources.iter().zip(&powers) {
+        for (AreaLight { object, .. }, power) in sources.iter().zip(&powers) {
             let per_area = objects[*object as usize].pdf_area(Vec3::Z, 0.0);
             densities[*object as usize] = round_f32(power / choice.sum()) * per_area;
         }
@@ -99,7 +99,7 @@ impl Emission {
         time: f32,
     ) -> Option<Emitted> {
         let DiscreteSample { index, pmf, .. } = self.choice.sample(u_light);
-        let (object, light) = &self.sources[index];
+        let AreaLight { object, radiance, .. } = &self.sources[index];
         let (surface, pdf_area) = accel.objects()[*object as usize].sample_area(u_point, time);
         let count = self.targets.len() as f32;
         #[expect(
@@ -112,7 +112,7 @@ impl Emission {
         let direction = self.targets[target].direction(surface.point, [within, u[1]]);
         let cos = surface.ng.dot(direction);
         let aimed = self.aimed(surface.point, direction);
-        let radiance = light.radiance_at(surface.uv);
+        let radiance = radiance.eval(surface.uv);
         (cos > 0.0 && aimed > 0.0 && !radiance.is_black()).then(|| Emitted {
             surface,
             direction,
@@ -149,7 +149,7 @@ impl Ball {
 
     /// The ball around a box.
     fn of(bounds: &Bounds) -> Self {
-        let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+        let [middle, half] = bounds.middle_and_half();
         Self { center: middle.as_vec3(), radius: round_f32(half.length()) }
     }
 
@@ -187,7 +187,7 @@ mod tests {
     use glam::{DAffine3, DVec3};
 
     use super::*;
-    use crate::lights::{AreaLight, LightSampling};
+    use crate::lights::LightSampling;
     use crate::shapes::ShapeSettings;
 
     fn object(settings: &ShapeSettings, to_frame: DAffine3) -> Object {

@@ -154,7 +154,7 @@ fn extent(light: &Light, accel: &Accel, shutter: [f64; 2]) -> Option<Extent> {
 #[expect(clippy::cast_possible_truncation, reason = "the area of what f32 holds")]
 fn extent_of(object: &Object, radiance: f32, shutter: [f64; 2]) -> Extent {
     let bounds = object.bounds(shutter);
-    let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+    let [middle, half] = bounds.middle_and_half();
     let is_flat = match &object.shape {
         Shape::Rectangle(_) | Shape::Disk(_) => true,
         shape => matches!(shape, Shape::Mesh(_)) && shape.element_count() == 1,

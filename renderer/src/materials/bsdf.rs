@@ -71,6 +71,12 @@ impl BsdfSample {
         (pdf > 0.0).then_some(Self { wi, weight, pdf, lobe: Lobe::Spread, transmitted: false, eta_rel: 1.0 })
     }
 
+    /// By what refraction squeezes solid angles from the side of `wo` to that of `wi`: η², 1 where nothing is refracted.
+    #[inline]
+    pub fn squeezing(&self) -> f32 {
+        if self.transmitted { self.eta_rel * self.eta_rel } else { 1.0 }
+    }
+
     /// This sample after a choice that takes it with probability `p` in (0, 1].
     pub(super) fn chosen_with(self, p: f32) -> Self {
         Self { weight: self.weight / p, pdf: self.pdf * p, ..self }

@@ -30,6 +30,11 @@ impl Bounds {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
+    /// The middle, and half of the size.
+    pub fn middle_and_half(&self) -> [DVec3; 2] {
+        [0.5 * (self.min + self.max), 0.5 * (self.max - self.min)]
+    }
+
     /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         let (a, b) = (self.min, self.max);

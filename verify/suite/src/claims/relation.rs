@@ -16,6 +16,7 @@ use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 mod allocation;
 mod light_paths;
+mod lines;
 mod reuse;
 mod unchanged;
 

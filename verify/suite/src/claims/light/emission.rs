@@ -1,6 +1,5 @@
 //! The directions in which paths from lights start.
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -9,6 +8,7 @@ use renderer::lights::{AreaLight, Emission, Light, LightSampling};
 use renderer::math::Rgb;
 use renderer::shapes::{Shape, ShapeSettings};
 use verify::claim::{Claim, claim};
+use verify::irradiance::sphere_solid_angle;
 use verify::mean::{MeanClaim, joint_control, joint_evidence};
 
 use super::super::jittered;
@@ -52,7 +52,7 @@ impl Start {
 
 /// The solid angle of a ball.
 fn solid_angle((middle, radius): (DVec3, f64)) -> f64 {
-    TAU * (1.0 - (1.0 - radius * radius / middle.length_squared()).sqrt())
+    sphere_solid_angle(radius, middle.length())
 }
 
 pub(super) fn claims() -> Vec<Claim> {

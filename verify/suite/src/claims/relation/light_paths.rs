@@ -1,6 +1,6 @@
 //! Paths from lights, and what is left to those from the camera beside them, give each pixel what the latter give alone.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use renderer::camera::{Projection, Shutter};
@@ -8,65 +8,28 @@ use renderer::film::{FilmSettings, Filter};
 use renderer::materials::Ggx;
 use renderer::math::Rgb;
 use renderer::math::transform::Motion;
-use renderer::sampling::SamplerKind;
 use renderer::scene::{IntegratorSettings, ObjectSettings, Scene, SceneDescription};
 use renderer::shapes::{MeshData, ShapeSettings};
-use verify::claim::{Claim, claim};
-use verify::mean::{joint_control, joint_evidence};
+use verify::claim::Claim;
 
+use super::lines::{Line, SIDE, same_lines};
 use crate::bounds;
-use crate::setup::{
-    built, difference_of_images, diffuse, glass, ground_glass, image, lamp, mean, rectangle_at, remembering,
-    rough_mirror, spot, thing,
-};
-
-/// Samples a pixel and replicate.
-const SAMPLES: u32 = 512;
-
-/// Pixels in a row, and rows.
-const SIDE: u32 = 4;
-
-/// The rows and columns of an image of each room.
-const LINES: usize = 2 * OF_ROOM;
-const OF_ROOM: usize = 2 * SIDE as usize;
+use crate::setup::{built, diffuse, glass, ground_glass, lamp, rectangle_at, rough_mirror, spot, thing};
 
 pub(super) fn claims() -> Vec<Claim> {
-    let rooms = LazyLock::new(|| [smooth, ground].map(|room| [false, true].map(room)));
-    let rooms = Arc::new(rooms);
-    let known = rooms.clone();
-    let value = Arc::new(remembering(move |way, seed| pixels(&rooms[way / 2][way % 2], seed)));
-    let differences = Arc::new(LazyLock::new(move || {
-        let of_room = |room: &[Scene; 2]| {
-            let unit = mean(&image(&room[0], SamplerKind::Sobol, SAMPLES, 0));
-            difference_of_images(unit, bounds::CAUSTIC)
-        };
-        std::array::from_fn::<_, LINES, _>(|i| of_room(&known[i / OF_ROOM]))
-    }));
-    // What an image with paths from lights has more of in a line than one by paths from the camera alone.
-    let alone = |i: usize| 2 * (i / OF_ROOM);
-    let more = move |value: &dyn Fn(usize, u64) -> Arc<[f64]>, i: usize, seed: u64| {
-        line(i, &value(alone(i) + 1, seed)) - line(i, &value(alone(i), seed))
-    };
-    let (differences_2, differences_3) = (differences.clone(), differences.clone());
-    let (control, turned) = (value.clone(), value.clone());
-    let same = claim(
-        "relation/light-paths/same-lines",
-        "with paths from lights, the means of an image's rows and columns are those of paths from the camera alone",
-    )
-    .bound(bounds::CAUSTIC)
-    .rejects("2.2 × resolution", move |run| {
-        joint_control(differences_2.as_slice(), run, |i, seed| more(&*control, i, seed))
-    })
-    .rejects("upside down", move |run| {
-        joint_evidence(differences_3.as_slice(), run, |i, seed| {
-            let pixels = turned(alone(i) + 1, seed);
-            let upside_down: Vec<f64> = pixels.iter().rev().copied().collect();
-            line(i, &upside_down) - line(i, &turned(alone(i), seed))
-        })
-    })
-    .by(move |run| joint_evidence(differences.as_slice(), run, |i, seed| more(&*value, i, seed)));
-    vec![same]
+    let line = |i: usize| Line { room: i / OF_ROOM, unit: i / OF_ROOM, line: i % OF_ROOM };
+    let says = "with paths from lights, the means of an image's rows and columns are those of paths from the camera alone";
+    vec![same_lines(
+        ["relation/light-paths/same-lines", says],
+        bounds::CAUSTIC,
+        (0..2 * OF_ROOM).map(line).collect(),
+        || [smooth, ground].map(|room| [false, true].map(room)),
+        ("upside down", |_, with| with.iter().rev().copied().collect()),
+    )]
 }
+
+/// The rows and columns of an image.
+const OF_ROOM: usize = 2 * SIDE as usize;
 
 /// A floor seen from above, with a ball of glass over it and a rough mirror beside, flat but for its shading normals.
 fn smooth(light_paths: bool) -> Scene {
@@ -129,17 +92,4 @@ fn room(
         [*lens_radius, *focus_distance] = lens;
     }
     description
-}
-
-/// The means of an image's pixels over channels, row by row.
-fn pixels(scene: &Scene, seed: u64) -> Arc<[f64]> {
-    let image = image(scene, SamplerKind::Sobol, SAMPLES, seed);
-    image.pixels.iter().map(|pixel| pixel.mean.iter().sum::<f64>() / 3.0).collect()
-}
-
-/// The mean of a row, or after the rows of a column, of the room that the line is of.
-fn line(i: usize, pixels: &[f64]) -> f64 {
-    let (line, side) = (i % OF_ROOM, SIDE as usize);
-    let place = |k: usize| if line < side { line * side + k } else { k * side + line - side };
-    (0..side).map(|k| pixels[place(k)]).sum::<f64>() / f64::from(SIDE)
 }
