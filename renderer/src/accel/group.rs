@@ -6,6 +6,7 @@ use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
+use wide::f32x8;
 
 use super::block::{BlockMemory, block};
 use super::collapse::{WideTree, collapse};
@@ -13,7 +14,7 @@ use super::few::{Few, LEAVES, Leaf};
 use super::memory::Array;
 use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
-use super::packet::{Packet, RAYS, Waiting};
+use super::packet::{ALL, Packet, RAYS, Waiting};
 use super::turns;
 use super::walk::{Any, Closest, Entry, Found, Mode, Search, Tree, walk};
 use crate::math::bounds::Bounds;
@@ -65,14 +66,14 @@ pub(super) struct Group<N: Boxes = NodeMemory> {
 pub(super) struct Context<'a> {
     pub(super) objects: &'a [Object],
     /// The trees of moving objects with more than one element.
-    pub(super) inner: &'a [Option<Group>],
+    pub(super) inner: &'a [Option<Box<Group>>],
     pub(super) stack: Vec<Entry>,
     pub(super) inner_stack: Vec<Entry>,
     pub(super) waiting: Vec<Waiting>,
 }
 
 impl<'a> Context<'a> {
-    pub(super) fn new(objects: &'a [Object], inner: &'a [Option<Group>]) -> Self {
+    pub(super) fn new(objects: &'a [Object], inner: &'a [Option<Box<Group>>]) -> Self {
         let (stack, inner_stack, waiting) = Default::default();
         Self { objects, inner, stack, inner_stack, waiting }
     }
@@ -162,6 +163,15 @@ impl<N: Boxes> Group<N> {
         N::place(&self.clock, ray)
     }
 
+    /// The index of the tree that rays of eight times walk, if it is the same for all, and how far through its span of time each is.
+    #[inline]
+    pub(super) fn together(&self, first: &Ray, times: f32x8) -> Option<(usize, f32x8)> {
+        let tree = self.place(first).0;
+        let through = N::through(&self.clock, tree, times);
+        let is_within = through.simd_ge(f32x8::ZERO) & through.simd_le(f32x8::ONE);
+        (is_within.to_bitmask() == ALL).then_some((tree, through))
+    }
+
     /// The root of that tree instead of its index.
     #[inline]
     pub(super) fn start(&self, ray: &Ray) -> (Child, f32) {
@@ -213,16 +223,16 @@ impl<N: Boxes> Group<N> {
         context: &mut Context,
         mut done: impl FnMut(usize, &Search),
     ) {
+        let Some(first) = rays.first() else { return };
         let mut stack = std::mem::take(&mut context.stack);
         stack.resize(self.stack, Entry::default());
         let mut waiting = std::mem::take(&mut context.waiting);
-        let tree = self.tree();
+        let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); RAYS], 0..);
         let (packets, others) = rays.as_chunks::<RAYS>();
-        let mut index = 0..;
         for rays in packets {
             if let Some(packet) = Packet::new(self, rays) {
-                let found = packet.walk::<M>(&tree, rays, &mut waiting, context);
-                found.iter().zip(&mut index).for_each(|(found, index)| done(index, found));
+                packet.walk::<M>(&tree, rays, &mut searches, &mut waiting, context);
+                searches.iter().zip(&mut index).for_each(|(found, index)| done(index, found));
             } else {
                 for (ray, index) in rays.iter().zip(&mut index) {
                     done(index, &walk::<M>(&tree, ray, &mut stack, context));
@@ -319,11 +329,7 @@ impl<N: Boxes> Group<N> {
     /// The hits of eight rays on an item that isn't a triangle, if it can be tested against them at once.
     #[inline]
     pub(super) fn other_eight(&self, index: usize, rays: &EightRays, context: &Context) -> Option<EightHits> {
-        let object = &context.objects[self.ids.as_slice()[index][0] as usize];
-        match &object.motion {
-            Some(_) if !self.is_inner => object.shape.intersect_eight(&object.to_object_eight(rays)?),
-            _ => object.shape.intersect_eight(rays),
-        }
+        context.objects[self.ids.as_slice()[index][0] as usize].intersect_eight(rays)
     }
 }
 

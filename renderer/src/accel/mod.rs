@@ -32,7 +32,7 @@ pub struct Accel {
     scene: Group,
     moving: Option<MovingTrees>,
     /// The tree of each moving object with more than one element.
-    inner: Vec<Option<Group>>,
+    inner: Vec<Option<Box<Group>>>,
 }
 
 /// How moving objects are found.
@@ -81,7 +81,8 @@ impl Accel {
             _ => MovingTrees::chosen(&objects, &others, shutter),
         });
         let tree = |(index, o): (u32, &Object)| {
-            (o.motion.is_some() && o.shape.element_count() > 1).then(|| Group::of_shape(index, &o.shape))
+            (o.motion.is_some() && o.shape.element_count() > 1)
+                .then(|| Box::new(Group::of_shape(index, &o.shape)))
         };
         let inner = (0u32..).zip(&objects).map(tree).collect();
         Self { objects, shutter, scene, moving, inner }

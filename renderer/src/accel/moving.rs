@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::{DVec3, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
-use wide::{f32x8, f32x16};
+use wide::{f32x8, f32x16, f64x8};
 
 use super::collapse::{WideTree, collapse};
 use super::few::{Few, LEAVES, Leaf};
@@ -15,6 +15,7 @@ use super::memory::Array;
 use super::node::{Boxes, Child, WIDTH};
 use super::object::Object;
 use crate::math::bounds::Bounds;
+use crate::math::eight::{rounded, widened};
 use crate::ray::{Hit, Ray};
 
 /// A box at the start and one at the end of a segment of the shutter; in between it is interpolated.
@@ -34,7 +35,7 @@ pub(super) struct Segments {
     /// When the first begins, how many of them pass in a unit of time, and the index of the last.
     open: f64,
     rate: f64,
-    last: usize,
+    last: i32,
 }
 
 /// Up to eight moving boxes as they lie in memory, in eights: the sides as in a node at rest at the start, how far they move until
@@ -61,7 +62,7 @@ impl MovingTrees {
             clock: Segments {
                 open: shutter[0],
                 rate: f64::from(segments) / (shutter[1] - shutter[0]),
-                last: roots.len() - 1,
+                last: i32::try_from(roots.len() - 1).unwrap_or(i32::MAX),
             },
             roots,
             nodes: Array::new(nodes.len(), |index| nodes[index]),
@@ -157,15 +158,19 @@ impl Boxes for MovingNode {
     #[inline]
     fn place(segments: &Segments, ray: &Ray) -> (usize, f32) {
         let place = (f64::from(ray.time) - segments.open) * segments.rate;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "clamped to the segments"
-        )]
-        let index = (place.max(0.0) as usize).min(segments.last);
+        #[expect(clippy::cast_possible_truncation, reason = "clamped to the segments")]
+        let index = (place as i32).clamp(0, segments.last);
         #[expect(clippy::cast_possible_truncation, reason = "boxes are grown by its rounding")]
-        let through = (place - index as f64).clamp(0.0, 1.0) as f32;
+        let through = (place - f64::from(index)).clamp(0.0, 1.0) as f32;
+        #[expect(clippy::cast_sign_loss, reason = "not below 0")]
+        let index = index as usize;
         (index, through)
+    }
+
+    #[inline]
+    fn through(segments: &Segments, tree: usize, times: f32x8) -> f32x8 {
+        let place = (widened(times) - f64x8::splat(segments.open)) * f64x8::splat(segments.rate);
+        rounded(place - f64x8::splat(tree as f64))
     }
 
     #[inline]

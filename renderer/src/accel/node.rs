@@ -103,6 +103,9 @@ pub(super) trait Boxes: Pod + Debug + Send + Sync {
     /// The index of the tree to walk, and how far through its span of time the ray is.
     fn place(clock: &Self::Clock, ray: &Ray) -> (usize, f32);
 
+    /// How far through a tree's span of time rays of eight times are: beyond 0 and 1 where other trees are for them.
+    fn through(clock: &Self::Clock, tree: usize, times: f32x8) -> f32x8;
+
     /// The child in a slot below 8.
     fn child(&self, slot: usize) -> Child;
 
@@ -139,6 +142,11 @@ impl Boxes for NodeMemory {
     #[inline]
     fn place((): &(), _: &Ray) -> (usize, f32) {
         (0, 0.0)
+    }
+
+    #[inline]
+    fn through((): &(), _: usize, _: f32x8) -> f32x8 {
+        f32x8::ZERO
     }
 
     #[inline]

@@ -7,7 +7,7 @@ use crate::math::bounds::Bounds;
 use crate::math::eight::widened;
 use crate::math::transform::{Motion, Pose};
 use crate::ray::{EightRays, Ray};
-use crate::shapes::{Shape, ShapeHit};
+use crate::shapes::{EightHits, Shape, ShapeHit};
 
 /// A shape at rest or in motion.
 #[derive(Debug, Clone)]
@@ -47,12 +47,12 @@ impl Object {
         }
     }
 
-    /// `to_object` of eight rays, if that only shifts them.
+    /// The hits of eight rays of the render frame, if they can be found at once: by a motion that only shifts, of shapes that can.
     #[inline]
-    pub fn to_object_eight(&self, rays: &EightRays) -> Option<EightRays> {
-        let Some(motion) = &self.motion else { return Some(*rays) };
+    pub fn intersect_eight(&self, rays: &EightRays) -> Option<EightHits> {
+        let Some(motion) = &self.motion else { return self.shape.intersect_eight(rays) };
         let offset = motion.offset_eight(widened(rays.time))?;
-        Some(EightRays { origin: (rays.origin - offset).rounded().widened(), ..*rays })
+        self.shape.intersect_eight(&EightRays { origin: (rays.origin - offset).rounded().widened(), ..*rays })
     }
 
     /// Whether it hides the end of a segment that leaves it, where that is known before the other objects are looked at.

@@ -50,12 +50,8 @@ impl Packet {
         if rays.iter().any(|ray| ray.direction.dot(first.direction) < NARROW) {
             return None;
         }
-        let starts: [(Child, f32); RAYS] = from_fn(|ray| group.start(&rays[ray]));
-        let root = starts[0].0;
-        if starts.iter().any(|start| start.0 != root) {
-            return None;
-        }
         let lanes = EightRays::new(rays);
+        let (tree, through) = group.together(first, lanes.time)?;
         let inverse = inverses(lanes.direction).0;
         let upward = inverse.map(|inverse| inverse.simd_lt(f32x8::ZERO).to_bitmask());
         if upward.iter().any(|&lanes| lanes != 0 && lanes != ALL) {
@@ -68,9 +64,8 @@ impl Packet {
                 .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
         };
         let origins = lanes.origin.0.each_ref().map(range);
-        let through = f32x8::new(starts.map(|start| start.1));
         Some(Self {
-            root,
+            root: group.roots[tree],
             through,
             span: range(&through),
             // A greater origin is nearer to the upper sides.
@@ -108,16 +103,20 @@ impl Packet {
         met(|axis| [distance(axis, 0), distance(axis, 1)], limits).0
     }
 
-    /// Walks the rays through a tree. Each meets at least the boxes that it meets alone, so it finds the same.
+    /// Walks the rays through a tree, and puts what they find into `searches`. Each meets at least the boxes that it meets alone, so it
+    /// finds the same.
     #[inline]
     pub(super) fn walk<M: Mode>(
         &self,
         tree: &Tree<impl Boxes>,
         rays: &[Ray; RAYS],
+        searches: &mut [Search; RAYS],
         stack: &mut Vec<Waiting>,
         context: &mut Context,
-    ) -> [Search; RAYS] {
-        let mut searches: [Search; RAYS] = from_fn(|ray| Search::new(&rays[ray]));
+    ) {
+        for (search, ray) in searches.iter_mut().zip(rays) {
+            search.restart(ray);
+        }
         let mut limits = f32x8::new(from_fn(|ray| limit(rays[ray].t_max)));
         let mut farthest = highest(&limits);
         let mut walking = ALL;
@@ -133,7 +132,7 @@ impl Packet {
                 self.descend::<M>(tree, entry.child(), (&limits, farthest, walking), stack);
                 continue;
             };
-            if !at_once::<M>(tree, leaf, left, &mut eight, &mut searches, context) {
+            if !at_once::<M>(tree, leaf, left, &mut eight, searches, context) {
                 // All candidates first: what the branches below depend on is known when they come.
                 let mut candidates = [(0, 0); RAYS];
                 for ray in lanes_of(left) {
@@ -151,7 +150,6 @@ impl Packet {
             }
             farthest = highest(&limits);
         }
-        searches
     }
 
     /// Leaves the children of a node that rays meet for later, with the farthest at the bottom.

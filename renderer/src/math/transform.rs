@@ -18,15 +18,18 @@ use crate::math::eight::DVec3x8;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     keys: Vec<Key>,
-    /// The keys' times and translations, if they do nothing else: by the keys themselves a moving render takes 4 % longer.
-    steps: SmallVec<[Step; 2]>,
+    /// The ways between keys, if they shift and do nothing else: by the keys themselves a moving render takes 4 % longer.
+    ways: SmallVec<[Way; 1]>,
 }
 
-/// Where a key shifts everything.
+/// A shift at constant speed from one place to another, with rest before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Step {
-    time: f64,
-    translation: DVec3,
+struct Way {
+    start: f64,
+    /// How long it takes; for ever where nothing changes.
+    length: f64,
+    from: DVec3,
+    to: DVec3,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,9 +97,8 @@ impl Motion {
             keys[key - 1].shifts = from.matrix3 == to.matrix3;
         }
         let shifts = keys.iter().all(|key| key.affine.matrix3 == DMat3::IDENTITY);
-        let step = |key: &Key| Step { time: key.time, translation: key.translation };
-        let steps = if shifts { keys.iter().map(step).collect() } else { SmallVec::new() };
-        Ok(Self { keys, steps })
+        let ways = if shifts { Way::between(&keys) } else { SmallVec::new() };
+        Ok(Self { keys, ways })
     }
 
     /// Whether every moment has the same transform.
@@ -129,27 +131,16 @@ impl Motion {
     /// The translation at `time`, if the map never does anything else: as `at`, from a few numbers.
     #[inline]
     pub fn offset(&self, time: f64) -> Option<DVec3> {
-        let after = self.steps.partition_point(|step| step.time <= time);
-        let [before, next] = [after.checked_sub(1), Some(after)].map(|i| i.and_then(|i| self.steps.get(i)));
-        match (before, next) {
-            (Some(from), Some(to)) => {
-                Some(from.translation.lerp(to.translation, (time - from.time) / (to.time - from.time)))
-            }
-            (key, other) => key.or(other).map(|key| key.translation),
-        }
+        let begun = self.ways.iter().rev().find(|way| way.start <= time);
+        begun.or(self.ways.first()).map(|way| way.from.lerp(way.to, way.done(time)))
     }
 
     /// `offset` of eight times, bit for bit.
     #[inline]
     pub fn offset_eight(&self, time: f64x8) -> Option<DVec3x8> {
-        let mut offset = DVec3x8::splat(self.steps.first()?.translation);
-        for pair in self.steps.windows(2) {
-            let (from, to) = (&pair[0], &pair[1]);
-            let s = (time - f64x8::splat(from.time)) / f64x8::splat(to.time - from.time);
-            let between =
-                DVec3x8::splat(from.translation) * (f64x8::ONE - s) + DVec3x8::splat(to.translation) * s;
-            offset = offset.replaced(time.simd_ge(f64x8::splat(from.time)), between);
-            offset = offset.replaced(time.simd_ge(f64x8::splat(to.time)), DVec3x8::splat(to.translation));
+        let mut offset = self.ways.first()?.eight(time);
+        for way in self.ways.iter().skip(1) {
+            offset = offset.replaced(time.simd_ge(f64x8::splat(way.start)), way.eight(time));
         }
         Some(offset)
     }
@@ -239,6 +230,39 @@ impl Motion {
             }
         }
         (times, margin)
+    }
+}
+
+impl Way {
+    /// The ways between keys that do nothing but shift.
+    fn between(keys: &[Key]) -> SmallVec<[Self; 1]> {
+        let way = |pair: &[Key]| Self {
+            start: pair[0].time,
+            length: if pair[0].rests { f64::INFINITY } else { pair[1].time - pair[0].time },
+            from: pair[0].translation,
+            to: pair[1].translation,
+        };
+        match keys {
+            [key] => {
+                let place = key.translation;
+                SmallVec::from([Self { start: key.time, length: f64::INFINITY, from: place, to: place }])
+            }
+            _ => keys.windows(2).map(way).collect(),
+        }
+    }
+
+    /// Which part of it is done at `time`.
+    #[inline]
+    fn done(&self, time: f64) -> f64 {
+        ((time - self.start) / self.length).clamp(0.0, 1.0)
+    }
+
+    /// The places at eight times.
+    #[inline]
+    fn eight(&self, time: f64x8) -> DVec3x8 {
+        let done = (time - f64x8::splat(self.start)) / f64x8::splat(self.length);
+        let done = done.fast_max(f64x8::ZERO).fast_min(f64x8::ONE);
+        DVec3x8::splat(self.from) * (f64x8::ONE - done) + DVec3x8::splat(self.to) * done
     }
 }
 
