@@ -103,9 +103,20 @@ impl Rendering {
     }
 }
 
+/// How far a render is; it goes through these in their order.
+#[derive(Debug, Clone, Copy)]
+pub enum Progress<'a> {
+    /// The share of the first samples that are taken, where they decide how many each pixel gets.
+    Pilot(f64),
+    /// The share of the paths from lights that are followed.
+    LightPaths(f64),
+    /// All that is finished of the image, after each tile.
+    Image(&'a Part),
+}
+
 /// Renders `scene`.
 ///
-/// * `progress`: called with the share of the work that is done, from any thread.
+/// * `progress`: called with the share of the image that is finished, from any thread.
 ///
 /// # Errors
 /// Samples or replicates of 0, or a number of threads that the system refuses.
@@ -115,8 +126,17 @@ pub fn render(
     settings: &RenderSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Rendering, ParamError> {
-    let part = go_on(scene, integrator, settings, settings.whole(scene), &|part| progress(part.share()))?;
+    let watch = |found: Progress| found.tell_share(progress);
+    let part = go_on(scene, integrator, settings, settings.whole(scene), &watch)?;
     Ok(Rendering::of(&part, scene.film.reconstruction))
+}
+
+impl Progress<'_> {
+    fn tell_share(self, progress: &(dyn Fn(f64) + Sync)) {
+        if let Progress::Image(part) = self {
+            progress(part.share());
+        }
+    }
 }
 
 /// Renders `scene` with numbers from any `sampler`; the settings' own kind and seed are not looked at.
@@ -131,14 +151,14 @@ pub fn render_with<I: Integrator, S: Sampler>(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Rendering, ParamError> {
     settings.check()?;
-    let with = Finish { scene, integrator, settings, watch: &|part| progress(part.share()) };
+    let with = Finish { scene, integrator, settings, watch: &|found| found.tell_share(progress) };
     let part = with.sampler(sampler, settings.whole(scene))?;
     Ok(Rendering::of(&part, scene.film.reconstruction))
 }
 
 /// Renders the tiles that `part` misses, each for the part's range of samples.
 ///
-/// * `watch`: called with all that is finished after each tile, from any thread; nothing else is entered meanwhile.
+/// * `watch`: called from any thread; nothing else is entered meanwhile.
 ///
 /// # Errors
 /// As [`render`]; a part of another film, other replicates, or samples beyond the settings'; one with numbers of
@@ -148,7 +168,7 @@ pub fn go_on(
     integrator: &PathTracer,
     settings: &RenderSettings,
     part: Part,
-    watch: &(dyn Fn(&Part) + Sync),
+    watch: &(dyn Fn(Progress) + Sync),
 ) -> Result<Part, ParamError> {
     settings.check()?;
     let film = [scene.film.width, scene.film.height];
@@ -229,7 +249,7 @@ struct Finish<'a, I> {
     scene: &'a Scene,
     integrator: &'a I,
     settings: &'a RenderSettings,
-    watch: &'a (dyn Fn(&Part) + Sync),
+    watch: &'a (dyn Fn(Progress) + Sync),
 }
 
 impl<I: Integrator> Finish<'_, I> {
@@ -267,7 +287,7 @@ impl<I: Integrator> Finish<'_, I> {
                 }
                 let mut part = part.lock().unwrap_or_else(PoisonError::into_inner);
                 part.finish(*index, sums);
-                (self.watch)(&part);
+                (self.watch)(Progress::Image(&part));
             });
         };
         self.settings.on_threads(work)?;

@@ -1,11 +1,12 @@
 //! Paths from lights: promises about bits, plans and what is refused.
 
 use std::path::Path;
+use std::sync::Mutex;
 
 use renderer::film::{Crop, Part};
 use renderer::integrator::{Integrator, PathTracer};
 use renderer::io::read_scene;
-use renderer::render::{RenderSettings, Rendering, go_on, render, render_with};
+use renderer::render::{Progress, RenderSettings, Rendering, go_on, pilot, render, render_with};
 use renderer::sampling::{Independent, SamplerKind, WithinPlan};
 use renderer::scene::{Scene, SceneDescription, Strategy};
 
@@ -87,4 +88,24 @@ fn parts_of_the_samples_and_samplers_that_must_know_their_number_are_refused() {
         assert!(error.contains("paths from lights") && error.contains("sobol"), "{error}");
     }
     assert_eq!(refused(SamplerKind::Sobol, [0, 16]), None);
+}
+
+#[test]
+fn each_stage_of_a_render_tells_how_far_it_is() {
+    let scene = Scene::new(&reference("glass")).unwrap();
+    let integrator = PathTracer { settings: scene.integrator };
+    let settings = settings(SamplerKind::Sobol, 0);
+    let told = Mutex::new(Vec::new());
+    let watch = |progress: Progress| {
+        told.lock().unwrap().push(match progress {
+            Progress::Pilot(share) => (0, share),
+            Progress::LightPaths(share) => (1, share),
+            Progress::Image(part) => (2, part.share()),
+        });
+    };
+    let part = pilot::allocated(&scene, &integrator, &settings, &watch).unwrap();
+    go_on(&scene, &integrator, &settings, part, &watch).unwrap();
+    let told = told.into_inner().unwrap();
+    assert!(told.is_sorted_by(|a, b| a < b), "{told:?}");
+    assert!((0..3).all(|stage| told.contains(&(stage, 1.0))), "{told:?}");
 }

@@ -116,7 +116,7 @@ fn samples_by_error_are_the_same_for_any_threads_and_when_begun_again() {
     let integrator = PathTracer { settings: scene.integrator };
     for sampler in SamplerKind::ALL {
         let settings = RenderSettings { sampler, samples: 20, replicates: 2, seed: 0, threads: 1 };
-        let Ok(part) = pilot::allocated(&scene, &integrator, &settings) else {
+        let Ok(part) = pilot::allocated(&scene, &integrator, &settings, &|_| ()) else {
             assert!(
                 [SamplerKind::Stratified, SamplerKind::MultiJitter, SamplerKind::Halton].contains(&sampler)
             );
@@ -130,7 +130,7 @@ fn samples_by_error_are_the_same_for_any_threads_and_when_begun_again() {
         };
         let one = finished(&settings, part);
         let many = RenderSettings { threads: 3, ..settings };
-        assert_eq!(finished(&many, pilot::allocated(&scene, &integrator, &many).unwrap()), one);
+        assert_eq!(finished(&many, pilot::allocated(&scene, &integrator, &many, &|_| ()).unwrap()), one);
         // The same counts without the pilot's samples, which are then taken with the others.
         let film = [scene.film.width, scene.film.height];
         let again = Part::allocated(film, 2, 20, Allocation { counts: counts.clone(), pilot: None }).unwrap();

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Finish;
+use super::{Finish, Progress};
 use crate::integrator::light_paths::{LightPaths, PER_SAMPLE, Splat};
 use crate::integrator::{Batch, Integrator};
 use crate::lights::Emission;
@@ -49,9 +49,9 @@ impl<I: Integrator> Finish<'_, I> {
         let mut image =
             LightImage { width: film.width as usize, replicates: Vec::new(), largest: 0.0, dropped: 0 };
         let paths = LightPaths { scene: self.scene, emission, sampler };
-        for replicate in 0..self.settings.replicates {
+        let (replicates, batches) = (self.settings.replicates, count.div_ceil(TOGETHER));
+        for replicate in 0..replicates {
             let mut sums = vec![[0.0; 3]; image.width * film.height as usize];
-            let batches = count.div_ceil(TOGETHER);
             for kept in (0..batches.div_ceil(KEPT)).map(|k| k * KEPT..batches.min((k + 1) * KEPT)) {
                 let trace = |batch: &mut Batch, index: u64| {
                     let (start, end) = (index * TOGETHER, count.min((index + 1) * TOGETHER));
@@ -64,6 +64,7 @@ impl<I: Integrator> Finish<'_, I> {
                     batch.dropped = 0;
                     (paths.trace(replicate, set, first..last, batch), batch.dropped)
                 };
+                let followed = kept.end as f64 / batches as f64;
                 let found: Vec<(Vec<Splat>, u64)> =
                     kept.into_par_iter().map_init(Batch::default, trace).collect();
                 image.dropped += found.iter().map(|(_, dropped)| dropped).sum::<u64>();
@@ -77,6 +78,7 @@ impl<I: Integrator> Finish<'_, I> {
                         image.largest = image.largest.max(of_sample.abs());
                     });
                 }
+                (self.watch)(Progress::LightPaths((f64::from(replicate) + followed) / f64::from(replicates)));
             }
             image.replicates.push(sums);
         }

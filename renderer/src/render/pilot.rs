@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use super::{Finish, RenderSettings};
+use super::{Finish, Progress, RenderSettings};
 use crate::error::ParamError;
 use crate::film::{Allocation, Part, Pilot, Tile, allocation};
 use crate::integrator::batch::Sample;
@@ -35,6 +35,8 @@ pub(super) fn refused(samples: u32) -> ParamError {
 /// A part in which pixels have samples in proportion to the error that their neighbours' first samples show, and these first
 /// samples, up to a quarter of all; for [`super::go_on`].
 ///
+/// * `watch`: as there.
+///
 /// # Errors
 /// As [`super::render`]; samplers that must know the number of samples, and fewer than 16 of them.
 ///
@@ -44,12 +46,13 @@ pub fn allocated(
     scene: &Scene,
     integrator: &PathTracer,
     settings: &RenderSettings,
+    watch: &(dyn Fn(Progress) + Sync),
 ) -> Result<Part, ParamError> {
     settings.check()?;
     if settings.samples < FEWEST {
         return Err(refused(settings.samples));
     }
-    let with = Finish { scene, integrator, settings, watch: &|_| () };
+    let with = Finish { scene, integrator, settings, watch };
     match settings.sampler {
         SamplerKind::Independent => with.pilot(&Independent::new(settings.seed)),
         SamplerKind::Pmj02 => with.pilot(&Pmj02::new(settings.seed)),
@@ -120,7 +123,9 @@ impl<I: Integrator> Finish<'_, I> {
             },
         );
         let sums = self.finished(empty, tile, &begun);
-        part.lock().unwrap_or_else(std::sync::PoisonError::into_inner).finish(index, sums);
+        let mut part = part.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        part.finish(index, sums);
+        (self.watch)(Progress::Pilot(part.share()));
         let variances = groups.iter().map(|pixel| pixel.iter().map(spread).sum()).collect();
         Found { largest: begun.largest, variances }
     }

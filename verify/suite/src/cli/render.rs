@@ -12,7 +12,7 @@ use renderer::integrator::reuse::MATES;
 use renderer::integrator::{Integrator, PathTracer};
 use renderer::io;
 use renderer::io::part::Origin;
-use renderer::render::{self, RenderSettings, light_image, pilot};
+use renderer::render::{self, Progress, RenderSettings, light_image, pilot};
 use renderer::sampling::SamplerKind;
 use renderer::scene::{Branch, Effect, IntegratorSettings, Scene, SceneDescription};
 
@@ -150,15 +150,18 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     let bar = progress_bar();
     let start = std::time::Instant::now();
     let found = if args.resume { checkpoint.resume(&part, args.allocate)? } else { None };
+    let watch = |progress: Progress| match progress {
+        Progress::Pilot(share) => show(&bar, share, Some("first samples")),
+        Progress::LightPaths(share) => show(&bar, share, Some("paths from lights")),
+        Progress::Image(part) => {
+            show(&bar, part.share(), None);
+            checkpoint.watch(part, &bar);
+        }
+    };
     let part = match found {
         Some(found) => found,
-        None if args.allocate => pilot::allocated(&scene, &integrator, &settings)?,
+        None if args.allocate => pilot::allocated(&scene, &integrator, &settings, &watch)?,
         None => part,
-    };
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 1000 steps")]
-    let watch = |part: &Part| {
-        bar.set_position((part.share() * 1000.0) as u64);
-        checkpoint.watch(part, &bar);
     };
     let part = render::go_on(&scene, &integrator, &settings, part, &watch)?;
     bar.finish_and_clear();
@@ -245,6 +248,19 @@ fn apply(args: &Args, description: &mut SceneDescription) -> Result<(), CliError
         description.leave_out(effect)?;
     }
     Ok(())
+}
+
+/// Shows the share of what is being done that is finished, and what that is if it isn't the image itself.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 1000 steps")]
+fn show(bar: &ProgressBar, share: f64, what: Option<&'static str>) {
+    let position = (share * 1000.0) as u64;
+    if position < bar.position() {
+        // Something else has begun, at a speed of its own.
+        bar.reset_eta();
+        bar.set_message("");
+    }
+    bar.set_position(position);
+    what.into_iter().for_each(|what| bar.set_message(what));
 }
 
 fn progress_bar() -> ProgressBar {

@@ -68,7 +68,9 @@ fn allocated(scene: &Scene, way: Way, seed: u64) -> f64 {
     };
     let part = match way {
         Way::Even => settings.whole(scene),
-        Way::ByError => pilot::allocated(scene, &integrator, &settings).expect("a Sobol sampler serves"),
+        Way::ByError => {
+            pilot::allocated(scene, &integrator, &settings, &|_| ()).expect("a Sobol sampler serves")
+        }
         Way::UntilBright => {
             let film = [scene.film.width, scene.film.height];
             let first = finished(Part::new(film, 1, [0, FIRST]));
