@@ -298,12 +298,14 @@ proptest! {
 }
 
 /// The least and the largest value of `f` at two directions that are each off by up to 2⁻²¹, to any side: eight
-/// roundings, as many as a half vector, a refraction and a normalisation have.
+/// roundings, as many as a half vector, a refraction and a normalisation have. And by 2⁻²² in length, the four roundings of a
+/// normalisation: where directions are nearly opposite, their sum has little else along them.
 fn range([wo, wi]: [Vec3; 2], f: impl Fn(Vec3, Vec3) -> f32) -> [f32; 2] {
     let moved = |w: Vec3| {
         let (s, t) = w.any_orthonormal_pair();
         let near = [s, -s, t, -t].map(|to| (w + to / (1 << 21) as f32).normalize());
-        [w, near[0], near[1], near[2], near[3]]
+        let length = (-22f32).exp2();
+        [w, near[0], near[1], near[2], near[3], w * (1.0 - length), w * (1.0 + length)]
     };
     let pairs = moved(wo).into_iter().flat_map(|wo| moved(wi).map(|wi| (wo, wi)));
     pairs.map(|(wo, wi)| f(wo, wi)).fold([f32::INFINITY, 0.0], |[least, most], x| [least.min(x), most.max(x)])
