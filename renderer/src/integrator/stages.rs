@@ -35,8 +35,11 @@ pub fn film_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
 
 /// When each sample sees the scene.
 pub fn shutter_times<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
-    for sample in &mut batch.samples {
-        sample.time = scene.shutter.time(sampler.draw_1d(sample.id, Vertex::default(), Decision::Time));
+    let Batch { samples, draws, .. } = batch;
+    draws.at_camera(samples);
+    sampler.draw_1d_each(&draws.places, Decision::Time, &mut draws.choices);
+    for (sample, &u) in samples.iter_mut().zip(&draws.choices) {
+        sample.time = scene.shutter.time(u);
     }
 }
 
