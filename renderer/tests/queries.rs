@@ -132,6 +132,22 @@ fn rays(rng: &mut Pcg64, count: u32) -> Vec<Ray> {
     (0..count).map(one).collect()
 }
 
+/// What the rays find together, the first hits and whether there are any: what each finds alone.
+fn found(accel: &Accel, rays: &[Ray]) -> Result<Vec<Option<Hit>>, TestCaseError> {
+    let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+    accel.closest(rays, &mut hits);
+    accel.occluded(rays, &mut blocked);
+    prop_assert_eq!((hits.len(), blocked.len()), (rays.len(), rays.len()));
+    for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
+        let (mut hit_alone, mut blocked_alone) = (Vec::new(), Vec::new());
+        accel.closest(std::slice::from_ref(ray), &mut hit_alone);
+        accel.occluded(std::slice::from_ref(ray), &mut blocked_alone);
+        prop_assert_eq!((&hit_alone[0], blocked_alone[0]), (hit, blocked));
+        prop_assert_eq!(hit.is_some(), blocked);
+    }
+    Ok(hits)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -141,18 +157,8 @@ proptest! {
         let objects: Vec<Object> = (0..count).map(|_| object(rng)).collect();
         let accel = Accel::new(objects, [0.0, 1.0]);
         let rays = rays(rng, 300);
-        let (mut hits, mut blocked) = (Vec::new(), Vec::new());
-        accel.closest(&rays, &mut hits);
-        accel.occluded(&rays, &mut blocked);
-        prop_assert_eq!((hits.len(), blocked.len()), (rays.len(), rays.len()));
-        for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
-            let alone = std::slice::from_ref(ray);
-            let (mut hit_alone, mut blocked_alone) = (Vec::new(), Vec::new());
-            accel.closest(alone, &mut hit_alone);
-            accel.occluded(alone, &mut blocked_alone);
-            prop_assert_eq!((&hit_alone[0], blocked_alone[0]), (hit, blocked));
+        for (ray, hit) in rays.iter().zip(found(&accel, &rays)?) {
             prop_assert_eq!(hit.map(|h| (h.t, h.object, h.element)), every_element(accel.objects(), ray));
-            prop_assert_eq!(hit.is_some(), blocked);
         }
     }
 
@@ -178,17 +184,11 @@ proptest! {
                 rays.push(Ray { t_max, ..Ray::new(start.as_vec3(), way.normalize().as_vec3(), rng.random()) });
             }
         }
-        let (mut hits, mut blocked) = (Vec::new(), Vec::new());
-        accel.closest(&rays, &mut hits);
-        accel.occluded(&rays, &mut blocked);
+        let hits = found(&accel, &rays)?;
         prop_assert!(hits.iter().any(Option::is_some) && hits.iter().any(Option::is_none));
-        for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
-            let (mut hit_alone, mut blocked_alone) = (Vec::new(), Vec::new());
-            accel.closest(std::slice::from_ref(ray), &mut hit_alone);
-            accel.occluded(std::slice::from_ref(ray), &mut blocked_alone);
-            prop_assert_eq!((&hit_alone[0], blocked_alone[0]), (hit, blocked));
-            prop_assert_eq!(hit.is_some(), blocked);
-        }
+        // Among twice as many others, rays stay in the order given, and those of a packet see the trees of several segments.
+        let mixed: Vec<Ray> = rays.chunks(8).flat_map(|eight| [eight, &self::rays(rng, 16)].concat()).collect();
+        found(&accel, &mixed)?;
     }
 
     #[test]
