@@ -114,6 +114,15 @@ pub enum Progress<'a> {
     Image(&'a Part),
 }
 
+impl Progress<'_> {
+    /// Tells the share of the image that is finished.
+    fn tell_share(self, progress: &(dyn Fn(f64) + Sync)) {
+        if let Progress::Image(part) = self {
+            progress(part.share());
+        }
+    }
+}
+
 /// Renders `scene`.
 ///
 /// * `progress`: called with the share of the image that is finished, from any thread.
@@ -129,14 +138,6 @@ pub fn render(
     let watch = |found: Progress| found.tell_share(progress);
     let part = go_on(scene, integrator, settings, settings.whole(scene), &watch)?;
     Ok(Rendering::of(&part, scene.film.reconstruction))
-}
-
-impl Progress<'_> {
-    fn tell_share(self, progress: &(dyn Fn(f64) + Sync)) {
-        if let Progress::Image(part) = self {
-            progress(part.share());
-        }
-    }
 }
 
 /// Renders `scene` with numbers from any `sampler`; the settings' own kind and seed are not looked at.

@@ -163,13 +163,13 @@ impl<N: Boxes> Group<N> {
         N::place(&self.clock, ray)
     }
 
-    /// The index of the tree that rays of eight times walk, if it is the same for all, and how far through its span of time each is.
+    /// The root that rays of eight times start at, if it is the same for all, and how far through its tree's span of time each is.
     #[inline]
-    pub(super) fn together(&self, first: &Ray, times: f32x8) -> Option<(usize, f32x8)> {
+    pub(super) fn start_together(&self, first: &Ray, times: f32x8) -> Option<(Child, f32x8)> {
         let tree = self.place(first).0;
         let through = N::through(&self.clock, tree, times);
         let is_within = through.simd_ge(f32x8::ZERO) & through.simd_le(f32x8::ONE);
-        (is_within.to_bitmask() == ALL).then_some((tree, through))
+        (is_within.to_bitmask() == ALL).then_some((self.roots[tree], through))
     }
 
     /// The root of that tree instead of its index.

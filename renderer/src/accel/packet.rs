@@ -51,7 +51,7 @@ impl Packet {
             return None;
         }
         let lanes = EightRays::new(rays);
-        let (tree, through) = group.together(first, lanes.time)?;
+        let (root, through) = group.start_together(first, lanes.time)?;
         let inverse = inverses(lanes.direction).0;
         let upward = inverse.map(|inverse| inverse.simd_lt(f32x8::ZERO).to_bitmask());
         if upward.iter().any(|&lanes| lanes != 0 && lanes != ALL) {
@@ -65,7 +65,7 @@ impl Packet {
         };
         let origins = lanes.origin.0.each_ref().map(range);
         Some(Self {
-            root: group.roots[tree],
+            root,
             through,
             span: range(&through),
             // A greater origin is nearer to the upper sides.

@@ -110,6 +110,7 @@ impl<S: Sampler> LightPaths<'_, S> {
         batch.clear();
         let id = |index| (0, SampleId { pixel: [u32::MAX, set], replicate, index });
         batch.extend(indices.map(id));
+        batch.draws.at_camera(&batch.samples);
         if scene.effects.contains(Effect::Shutter) {
             stages::shutter_times(scene, *sampler, batch);
         }
@@ -143,7 +144,6 @@ impl<S: Sampler> LightPaths<'_, S> {
     fn begin(&self, batch: &mut Batch) {
         let Self { scene, emission, sampler } = self;
         let Batch { samples, paths, draws, .. } = batch;
-        draws.at_camera(samples);
         draws.choices(*sampler, Decision::LightChoice, emission.needs_choice());
         draws.points(*sampler, Decision::LightPoint, true);
         let mut directions = Vec::new();

@@ -13,6 +13,7 @@ use crate::scene::{Effect, Meter, Scene, Strategy};
 
 /// The stages from the film to the camera's rays, as far as the scene calls for them.
 pub fn camera<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
+    batch.draws.at_camera(&batch.samples);
     film_points(scene, sampler, batch);
     if scene.effects.contains(Effect::Shutter) {
         shutter_times(scene, sampler, batch);
@@ -23,30 +24,27 @@ pub fn camera<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
     camera_rays(scene, batch);
 }
 
-/// Where on the film each sample lies, and its filter weight.
+/// Where on the film each sample lies, and its filter weight; numbers are asked for at the camera.
 pub fn film_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
     let Batch { samples, draws, .. } = batch;
-    draws.at_camera(samples);
     sampler.draw_2d_each(&draws.places, Decision::Pixel, &mut draws.points);
     for (sample, &u) in samples.iter_mut().zip(&draws.points) {
         (sample.position, sample.weight) = scene.film.place(sample.id.pixel, u);
     }
 }
 
-/// When each sample sees the scene.
+/// When each sample sees the scene; likewise.
 pub fn shutter_times<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
     let Batch { samples, draws, .. } = batch;
-    draws.at_camera(samples);
     sampler.draw_1d_each(&draws.places, Decision::Time, &mut draws.choices);
     for (sample, &u) in samples.iter_mut().zip(&draws.choices) {
         sample.time = scene.shutter.time(u);
     }
 }
 
-/// Where on the lens each sample's ray starts; of a meter the numbers of its direction.
+/// Where on the lens each sample's ray starts, of a meter the numbers of its direction; likewise.
 pub fn lens_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
     let Batch { samples, draws, .. } = batch;
-    draws.at_camera(samples);
     sampler.draw_2d_each(&draws.places, Decision::Lens, &mut draws.points);
     for (sample, &u) in samples.iter_mut().zip(&draws.points) {
         sample.lens = if scene.meter.is_some() { u } else { warp::square_to_disk(u).to_array() };

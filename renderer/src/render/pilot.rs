@@ -123,10 +123,10 @@ impl<I: Integrator> Finish<'_, I> {
             },
         );
         let sums = self.finished(empty, tile, &begun);
+        let variances = groups.iter().map(|pixel| pixel.iter().map(spread).sum()).collect();
         let mut part = part.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         part.finish(index, sums);
         (self.watch)(Progress::Pilot(part.share()));
-        let variances = groups.iter().map(|pixel| pixel.iter().map(spread).sum()).collect();
         Found { largest: begun.largest, variances }
     }
 }

@@ -260,7 +260,9 @@ fn show(bar: &ProgressBar, share: f64, what: Option<&'static str>) {
         bar.set_message("");
     }
     bar.set_position(position);
-    what.into_iter().for_each(|what| bar.set_message(what));
+    if let Some(what) = what {
+        bar.set_message(what);
+    }
 }
 
 fn progress_bar() -> ProgressBar {
