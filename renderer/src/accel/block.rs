@@ -4,8 +4,7 @@ use glam::Vec3;
 use wide::{f32x8, f32x16};
 
 use super::node::{SLACK, WIDTH, limit};
-use super::walk::Mode;
-use crate::ray::Ray;
+use crate::ray::{EightRays, Ray};
 
 /// A block as it lies in memory: coordinates by vertex and axis, NaN in lanes that are empty or of another item, and its `Summary`.
 pub(super) type BlockMemory = [f32x16; 5];
@@ -77,69 +76,144 @@ impl<'a> BlockRef<'a> {
 
     /// The triangle in a lane that is taken.
     #[inline]
-    pub(super) fn triangle(self, lane: u32) -> [Vec3; 3] {
-        let lane = lane as usize % WIDTH;
+    pub(super) fn triangle(self, lane: usize) -> [Vec3; 3] {
+        let lane = lane % WIDTH;
         let coordinate = |index: usize| self.0[index].as_array()[lane];
         let corner = |v: usize| Vec3::new(coordinate(v), coordinate(v + 1), coordinate(v + 2));
         // Not by `map`, which isn't inlined.
         [corner(0), corner(3), corner(6)]
     }
 
-    /// The lanes of triangles that the ray may hit, as bits: none that it hits is left out, and few others are in. And the lanes of
-    /// triangles that it hits for certain.
+    /// The triangles relative to where a ray begins.
     ///
-    /// * `probe`: the ray prepared for triangles, made where it is needed first.
-    ///
-    /// It evaluates in f32 the edge functions whose exact signs `ShearedRay::intersect` takes, and leaves a triangle
+    /// In f32 edge functions are evaluated whose exact signs `ShearedRay::intersect` takes, and a triangle is left
     /// out where two of them have opposite signs beyond their error. With u = 2⁻²⁴, M the largest magnitude of a
-    /// coordinate relative to the origin and D the largest side of the triangle's box: a sheared coordinate |x| ≤ 2M
-    /// has two differences and a product within uM each, the shear's own rounding within 2uM, the sum's within 2uM here
-    /// and within 2uM there, together δ ≤ 10uM. If the ray hits, its exact sheared coordinates are 0 within the triangle, so
-    /// all are at most R = 2D + 4uM. An edge function, the difference of two products, then errs by at most
-    /// 4δR + 2δ² + 3u(R + δ)² with D ≤ 2M, which is below 128·uM·D + 512·(uM)².
+    /// coordinate relative to the origin, m = uM and D the largest side of the triangle's box: a sheared coordinate x
+    /// differs from the exact test's by m and m for two differences, 2m for the shear, and u|x| for each sum: if all |x| are
+    /// at most R, by δ ≤ 5m + 2uR. If the ray hits, the exact test's coordinates are 0 within the triangle, so R = 2D + 4m and
+    /// δ ≤ 6m + 4uD. An edge function, the difference of two products, then errs by at most 4δR + 2δ² + 3u(R + δ)², which is
+    /// below E = 50mD + 48uD² + 192m².
     ///
-    /// Where all three have one sign beyond three times that error, and no sheared coordinate exceeds 2D + 16uM, the hit is
-    /// certain if any hit is asked for: R = 2D + 26uM then bounds the exact ones, and the error is below 104·uM·D + 1240·(uM)².
+    /// Where all three have one sign beyond 4E, and the first vertex's coordinates are at most 2D + 16m, the hit is
+    /// certain: then R = 4D + 26m, δ ≤ 6m + 8uD, and the error is below 97mD + 176uD² + 700m².
+    #[inline(always)]
+    pub(super) fn relative(self, probe: &Probe) -> Relative {
+        const UNIT: f32 = f32::EPSILON / 2.0;
+        let [i, j, k] = probe.axes;
+        let [ox, oy, oz] = probe.origin;
+        let (ox, oy, oz) = (f32x8::splat(ox), f32x8::splat(oy), f32x8::splat(oz));
+        let Summary { extent, size, lanes, .. } = self.summary();
+        let vertex = |first: usize| {
+            let v = &self.0[first..first + 3];
+            [v[i] - ox, v[j] - oy, v[k] - oz]
+        };
+        let vertices = [vertex(0), vertex(3), vertex(6)];
+        let [az, bz, cz] = [vertices[0][2], vertices[1][2], vertices[2][2]];
+        let reach = UNIT * (probe.extent + extent);
+        Relative {
+            vertices,
+            z: [az.fast_min(bz).fast_min(cz), az.fast_max(bz).fast_max(cz)],
+            lanes,
+            error: size * (50.0 * reach + 48.0 * UNIT * size) + 192.0 * reach * reach,
+            close: 2.0 * size + 16.0 * reach,
+        }
+    }
+}
+
+/// Triangles of a block relative to where a ray begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Relative {
+    vertices: [[f32x8; 3]; 3],
+    /// The lowest and the highest z.
+    z: [f32x8; 2],
+    /// Lanes that are taken, as bits.
+    lanes: u32,
+    /// Bound on the error of an edge function.
+    error: f32,
+    /// How far to the sides of the ray a vertex of a triangle that it hits may lie.
+    close: f32,
+}
+
+impl Relative {
+    /// The triangles that the ray may hit: none that it hits is left out, and few others are in.
     ///
     /// A hit lies between the nearest and the farthest vertex, whose distances have three roundings here: within `SLACK`.
-    #[inline]
-    pub(super) fn candidates<M: Mode>(self, ray: &Ray, probe: &mut Option<Probe>) -> (u32, u32) {
-        const UNIT: f32 = f32::EPSILON / 2.0;
-        let (probe, t_max) = (probe.get_or_insert_with(|| Probe::new(ray)), ray.t_max);
-        let [i, j, k] = probe.axes;
+    #[inline(always)]
+    pub(super) fn candidates(&self, probe: &Probe, t_max: f32) -> Candidates {
         let (sx, sy) = (f32x8::splat(probe.shear[0]), f32x8::splat(probe.shear[1]));
-        let [ox, oy, oz] = probe.origin;
-        let Summary { extent, size, lanes, .. } = self.summary();
-        let project = |vertex: usize| {
-            let v = &self.0[vertex..vertex + 3];
-            let z = v[k] - f32x8::splat(oz);
-            (sx.mul_neg_add(z, v[i] - f32x8::splat(ox)), sy.mul_neg_add(z, v[j] - f32x8::splat(oy)), z)
-        };
-        let [(ax, ay, az), (bx, by, bz), (cx, cy, cz)] = [0, 3, 6].map(project);
+        let sheared = |[x, y, z]: &[f32x8; 3]| (sx.mul_neg_add(*z, *x), sy.mul_neg_add(*z, *y));
+        let [a, b, c] = &self.vertices;
+        let ((ax, ay), (bx, by), (cx, cy)) = (sheared(a), sheared(b), sheared(c));
         let u = cx.mul_sub(by, cy * bx);
         let v = ax.mul_sub(cy, ay * cx);
         let w = bx.mul_sub(ay, by * ax);
-        let reach = UNIT * (probe.extent + extent);
-        let error = reach * (128.0 * size + 512.0 * reach);
         let lowest = u.fast_min(v).fast_min(w);
         let highest = u.fast_max(v).fast_max(w);
-        let (below, above) = (f32x8::splat(-error), f32x8::splat(error));
-        let outside = lowest.simd_lt(below) & highest.simd_gt(above);
+        let error = f32x8::splat(self.error);
+        let outside = lowest.simd_lt(-error) & highest.simd_gt(error);
         let scale = f32x8::splat(probe.scale);
-        let (one, other) = (az.fast_min(bz).fast_min(cz) * scale, az.fast_max(bz).fast_max(cz) * scale);
+        let (one, other) = (self.z[0] * scale, self.z[1] * scale);
         let (near, far) = (one.fast_min(other), one.fast_max(other));
         let beyond = near.simd_gt(f32x8::splat(limit(t_max))) | far.simd_lt(f32x8::ZERO);
-        let candidates = !(outside | beyond).to_bitmask() & lanes;
-        if !M::ANY {
-            return (candidates, 0);
-        }
-        let certain = f32x8::splat(3.0 * error);
+        let lanes = !(outside | beyond).to_bitmask() & self.lanes;
+        let certain = error * f32x8::splat(4.0);
         let inside = lowest.simd_gt(certain) | highest.simd_lt(-certain);
-        let largest = [ay, bx, by, cx, cy].iter().fold(ax.abs(), |all, x| all.fast_max(x.abs()));
-        let close = largest.simd_le(f32x8::splat(2.0 * size + 16.0 * reach));
+        let close = ax.abs().fast_max(ay.abs()).simd_le(f32x8::splat(self.close));
         let between = near.simd_gt(f32x8::splat(f32::MIN_POSITIVE))
             & (far * f32x8::splat(SLACK)).simd_lt(f32x8::splat(t_max));
-        (candidates, (inside & close & between).to_bitmask() & lanes)
+        Candidates { lanes, certain: (inside & close & between).to_bitmask() & self.lanes, far }
+    }
+}
+
+/// The triangles of a block that a ray may hit.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Candidates {
+    /// Their lanes, as bits.
+    pub(super) lanes: u32,
+    /// Those that it hits for certain.
+    pub(super) certain: u32,
+    /// The distances of their farthest vertices.
+    pub(super) far: f32x8,
+}
+
+/// Rays of a packet prepared for blocks, all with the same longest component of their directions.
+#[derive(Debug, Default)]
+pub(super) struct Probes {
+    pub(super) axes: [usize; 3],
+    origin: [f32x8; 3],
+    shear: [f32x8; 2],
+    scale: f32x8,
+    extent: f32x8,
+}
+
+impl Probes {
+    #[inline]
+    pub(super) fn new(rays: &EightRays<f32x8>, z: usize) -> Self {
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let [dx, dy, dz] = axes.map(|a| rays.direction.0[a]);
+        let scale = f32x8::ONE / dz;
+        let [x, y, z] = rays.origin.0;
+        Self {
+            axes,
+            origin: axes.map(|a| rays.origin.0[a]),
+            shear: [dx * scale, dy * scale],
+            scale,
+            extent: x.abs().fast_max(y.abs()).fast_max(z.abs()),
+        }
+    }
+
+    /// The ray in a lane.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Probe {
+        let at = |x: &f32x8| x.as_array()[lane];
+        let ([ox, oy, oz], [sx, sy]) = (&self.origin, &self.shear);
+        Probe {
+            axes: self.axes,
+            origin: [at(ox), at(oy), at(oz)],
+            shear: [at(sx), at(sy)],
+            scale: at(&self.scale),
+            extent: at(&self.extent),
+        }
     }
 }
 
@@ -175,26 +249,31 @@ impl Probe {
 mod tests {
     use super::*;
     use crate::accel::group::point;
-    use crate::accel::walk::Any;
     use crate::shapes::triangle::ShearedRay;
 
     #[test]
     fn certain_hits_are_hits_and_hits_are_candidates() {
         let (mut certain, mut hits) = (0, 0);
-        for n in 0..100_000 {
+        for n in 0..200_000 {
             let (from, along) = (4.0 * point(3 * n), point(5 * n + 1));
-            // From fat triangles to slivers of a few roundings, met on their longer axes' lines, inside and far outside.
+            // From fat triangles to slivers of a few roundings, met on their longer axes' lines, inside and far outside, and on an edge:
+            // errors bounded a fiftieth as wide would be found out.
             let thin = point(7 * n + 2) * 0.5f32.powi(4 + 2 * (n % 12) as i32);
             let corners = [along * -0.5, along * 0.5, along * 0.3 + thin];
-            let target = along * (4.0 * point(n).x) + thin * point(11 * n).y;
+            let target = match n % 4 {
+                0 => corners[0].lerp(corners[2], point(n).x.abs()),
+                _ => along * (4.0 * point(n).x) + thin * point(11 * n).y,
+            };
             let ray = Ray::new(from, (target - from).normalize(), 0.0);
             let block = block(&[Some(corners)], 0);
-            let (candidates, sure) = BlockRef::new(&block).candidates::<Any>(&ray, &mut None);
-            let hit = ShearedRay::new(&ray).hit(&corners, ray.t_max).is_some();
-            assert!(candidates == 1 || !hit, "{ray:?} {corners:?}");
-            assert!(sure == 0 || hit, "{ray:?} {corners:?}");
-            certain += sure;
-            hits += u32::from(hit);
+            let probe = Probe::new(&ray);
+            let found = BlockRef::new(&block).relative(&probe).candidates(&probe, ray.t_max);
+            let hit = ShearedRay::new(&ray).hit(&corners, ray.t_max);
+            assert!(found.lanes == 1 || hit.is_none(), "{ray:?} {corners:?}");
+            assert!(found.certain == 0 || hit.is_some(), "{ray:?} {corners:?}");
+            assert!(hit.is_none_or(|hit| hit.t < found.far.to_array()[0] * SLACK), "{ray:?} {corners:?}");
+            certain += found.certain;
+            hits += u32::from(hit.is_some());
         }
         assert!(certain > 500 && hits > certain, "{certain} of {hits}");
     }

@@ -3,10 +3,12 @@
 use wide::f32x8;
 
 use super::group::{Context, Group};
-use super::node::{Boxes, SLACK, inverses, met};
-use super::packet::{ALL, RAYS, lanes_of};
+use super::node::{Boxes, inverses, lanes_of, limit_eight, met};
 use super::walk::{Found, Mode, Search, Tree};
 use crate::ray::{EightRays, Ray};
+
+/// Rays walked at once.
+pub(super) const RAYS: usize = 8;
 
 /// Leaves up to which a tree is walked like this; measured in benches/README.md.
 pub(super) const LEAVES: usize = 64;
@@ -39,7 +41,7 @@ impl<N: Boxes> Few<N> {
         for (search, ray) in searches.iter_mut().zip(rays) {
             search.restart(ray);
         }
-        let mut walking = ALL >> (RAYS - rays.len());
+        let mut walking = 0xff >> (RAYS - rays.len());
         for (bounds, leaf) in &self.0 {
             let mut met = lanes.meet::<N>(bounds) & walking;
             if met == 0 {
@@ -53,7 +55,7 @@ impl<N: Boxes> Few<N> {
             if let Some(hits) = &hits {
                 met &= hits.lanes;
             }
-            for lane in lanes_of(met) {
+            for lane in lanes_of::<RAYS>(met) {
                 let search = &mut searches[lane];
                 match &hits {
                     Some(hits) => {
@@ -100,9 +102,7 @@ impl Lanes {
         let distance = |axis: usize, which: usize| {
             (N::side_of(bounds, axis, which, self.through) - self.origin[axis]) * self.inverse[axis]
         };
-        // As `limit`.
-        let limits = (self.rays.t_max * SLACK).fast_min(f32x8::splat(f32::MAX));
-        met(|axis| [distance(axis, 0), distance(axis, 1)], limits).0
+        met(|axis| [distance(axis, 0), distance(axis, 1)], limit_eight(self.rays.t_max)).0
     }
 }
 

@@ -10,11 +10,12 @@ use wide::f32x8;
 
 use super::block::{BlockMemory, block};
 use super::collapse::{WideTree, collapse};
-use super::few::{Few, LEAVES, Leaf};
+use super::few::{self, Few, LEAVES, Leaf};
+use super::leaves::Leaves;
 use super::memory::Array;
 use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
-use super::packet::{ALL, Packet, RAYS, Waiting};
+use super::packet::{Lanes, Packet, RAYS, Waiting};
 use super::turns;
 use super::walk::{Any, Closest, Entry, Found, Mode, Search, Tree, walk};
 use crate::math::bounds::Bounds;
@@ -163,13 +164,13 @@ impl<N: Boxes> Group<N> {
         N::place(&self.clock, ray)
     }
 
-    /// The root that rays of eight times start at, if it is the same for all, and how far through its tree's span of time each is.
+    /// The root that rays of a packet start at, if it is the same for all, and how far through its tree's span of time each is.
     #[inline]
-    pub(super) fn start_together(&self, first: &Ray, times: f32x8) -> Option<(Child, f32x8)> {
+    pub(super) fn start_together(&self, first: &Ray, times: Lanes) -> Option<(Child, Lanes)> {
         let tree = self.place(first).0;
-        let through = N::through(&self.clock, tree, times);
-        let is_within = through.simd_ge(f32x8::ZERO) & through.simd_le(f32x8::ONE);
-        (is_within.to_bitmask() == ALL).then_some((self.roots[tree], through))
+        let through = times.map(|times| N::through(&self.clock, tree, times));
+        let is_within = |x: &f32x8| (x.simd_ge(f32x8::ZERO) & x.simd_le(f32x8::ONE)).all();
+        through.iter().all(is_within).then_some((self.roots[tree], through))
     }
 
     /// The root of that tree instead of its index.
@@ -227,16 +228,17 @@ impl<N: Boxes> Group<N> {
         let mut stack = std::mem::take(&mut context.stack);
         stack.resize(self.stack, Entry::default());
         let mut waiting = std::mem::take(&mut context.waiting);
-        let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); RAYS], 0..);
+        let (mut searches, mut leaves) = ([Search::new(first); RAYS], Leaves::default());
+        let (tree, mut index) = (self.tree(), 0..);
         let (packets, others) = rays.as_chunks::<RAYS>();
         for rays in packets {
             if let Some(packet) = Packet::new(self, rays) {
-                packet.walk::<M>(&tree, rays, &mut searches, &mut waiting, context);
+                packet.walk::<M>(&tree, rays, &mut searches, &mut leaves, &mut waiting, context);
                 searches.iter().zip(&mut index).for_each(|(found, index)| done(index, found));
-            } else {
-                for (ray, index) in rays.iter().zip(&mut index) {
-                    done(index, &walk::<M>(&tree, ray, &mut stack, context));
-                }
+                continue;
+            }
+            for (ray, index) in rays.iter().zip(&mut index) {
+                done(index, &walk::<M>(&tree, ray, &mut stack, context));
             }
         }
         for (ray, index) in others.iter().zip(&mut index) {
@@ -255,8 +257,8 @@ impl<N: Boxes> Group<N> {
     ) {
         let Some(first) = rays.first() else { return };
         let few = &self.few[self.place(first).0];
-        let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); RAYS], 0..);
-        for rays in rays.chunks(RAYS) {
+        let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); few::RAYS], 0..);
+        for rays in rays.chunks(few::RAYS) {
             few.walk::<M>(&tree, rays, &mut searches, context);
             searches[..rays.len()].iter().zip(&mut index).for_each(|(found, index)| done(index, found));
         }
@@ -349,8 +351,7 @@ fn elements(object: u32, shape: &Shape) -> impl Iterator<Item = Item> + '_ {
     })
 }
 
-/// Whether neighbours in the list point mostly the same way, within 25°, so that they find in the cache what the ray
-/// before has left there.
+/// Whether neighbours in the list point mostly the same way, within 6°, and find in the cache what the ray before has left there.
 pub(super) fn are_coherent(rays: &[Ray]) -> bool {
     let pairs = rays.windows(2).step_by(8);
     let along = pairs.clone().filter(|p| p[0].direction.dot(p[1].direction) > 0.995).count();

@@ -274,11 +274,27 @@ pub(super) fn met(distances: impl Fn(usize) -> [f32x8; 2], limits: f32x8) -> (u3
     (enter.simd_le((leave * f32x8::splat(SLACK)).fast_min(limits)).to_bitmask(), enter)
 }
 
+/// The lanes of a mask, in their order, below `N`.
+#[inline]
+pub(super) fn lanes_of<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then_some(mask.trailing_zeros() as usize % N);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
+}
+
 /// How far away a box may begin and still matter, if hits matter up to `reach`; finite, so that a ray along an axis
 /// misses boxes infinitely far away.
 #[inline]
 pub(super) fn limit(reach: f32) -> f32 {
     (reach * SLACK).min(f32::MAX)
+}
+
+/// `limit` of eight rays.
+#[inline]
+pub(super) fn limit_eight(reach: f32x8) -> f32x8 {
+    (reach * f32x8::splat(SLACK)).fast_min(f32x8::splat(f32::MAX))
 }
 
 /// Fetches the cache line of a value, where the processor has an instruction for it.

@@ -1,19 +1,27 @@
-//! Eight rays that go the same way, walked together.
+//! Sixteen rays that go the same way, walked together.
 
 use std::array::from_fn;
 
 use wide::f32x8;
 
 use super::group::{Context, Group};
-use super::node::{Boxes, Child, WIDTH, inverses, limit, met};
+use super::leaves::Leaves;
+use super::node::{Boxes, Child, SLACK, WIDTH, inverses, lanes_of, limit_eight, met};
 use super::walk::{Content, Entry, Found, Mode, Search, Tree};
+use crate::math::eight::Vec3x8;
 use crate::ray::{EightRays, Ray};
 
+/// Eights of rays in a packet.
+pub(super) const EIGHTS: usize = 2;
+
 /// Rays of a packet.
-pub(super) const RAYS: usize = 8;
+pub(super) const RAYS: usize = 8 * EIGHTS;
+
+/// A number for each ray.
+pub(super) type Lanes = [f32x8; EIGHTS];
 
 /// All rays of a packet, as bits.
-pub(super) const ALL: u32 = (1 << RAYS) - 1;
+const ALL: u32 = (1 << RAYS) - 1;
 
 /// Cosine of the widest angle between the first ray of a packet and another; measured in benches/README.md.
 const NARROW: f32 = 0.999;
@@ -25,15 +33,17 @@ pub(super) struct Waiting {
     rays: u32,
 }
 
-/// Eight rays prepared for boxes.
+/// Sixteen rays prepared for boxes.
 #[derive(Debug)]
 pub(super) struct Packet {
     /// Where they begin, how far through its tree's span of time each is, and the first and the last of them.
     root: Child,
-    through: f32x8,
+    through: Lanes,
     span: [f32; 2],
-    rays: EightRays<f32x8>,
-    inverse: [f32x8; 3],
+    rays: [EightRays<f32x8>; EIGHTS],
+    inverse: [[f32x8; 3]; EIGHTS],
+    /// The longest component of all directions.
+    longest: usize,
     /// 1 on the axes along which all rays meet the upper side first.
     upper_first: [usize; 3],
     /// Origins from which distances to the nearer and to the farther sides bound those of all rays.
@@ -43,36 +53,40 @@ pub(super) struct Packet {
 }
 
 impl Packet {
-    /// The packet of `rays`; `None` if they begin at different roots, point in different octants or too many ways to gain from it.
+    /// The packet of `rays`; `None` if they begin at different roots, point in different octants, have different longest components, or
+    /// point too many ways to gain from it.
     #[inline]
     pub(super) fn new(group: &Group<impl Boxes>, rays: &[Ray; RAYS]) -> Option<Self> {
         let first = &rays[0];
-        if rays.iter().any(|ray| ray.direction.dot(first.direction) < NARROW) {
-            return None;
-        }
-        let lanes = EightRays::new(rays);
-        let (root, through) = group.start_together(first, lanes.time)?;
-        let inverse = inverses(lanes.direction).0;
-        let upward = inverse.map(|inverse| inverse.simd_lt(f32x8::ZERO).to_bitmask());
-        if upward.iter().any(|&lanes| lanes != 0 && lanes != ALL) {
-            return None;
-        }
-        let upper_first = upward.map(|lanes| usize::from(lanes != 0));
-        let range = |of: &f32x8| {
-            of.as_array()
-                .iter()
-                .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+        let eights: [EightRays<f32x8>; EIGHTS] = from_fn(|i| EightRays::new(&rays[8 * i..][..8]));
+        let longest = first.direction.abs().max_position();
+        let way = Vec3x8::splat(first.direction);
+        let goes_along = |rays: &EightRays<f32x8>| {
+            let size = |axis: usize| rays.direction.0[axis].abs();
+            let most = size(0).fast_max(size(1)).fast_max(size(2));
+            (rays.direction.dot(way).simd_ge(NARROW) & size(longest).simd_ge(most)).all()
         };
-        let origins = lanes.origin.0.each_ref().map(range);
+        if !eights.iter().all(goes_along) {
+            return None;
+        }
+        let (root, through) = group.start_together(first, eights.each_ref().map(|rays| rays.time))?;
+        let inverse = eights.each_ref().map(|rays| inverses(rays.direction).0);
+        let inverses = from_fn(|axis| range(inverse.each_ref().map(|inverse| inverse[axis])));
+        if inverses.iter().any(|[low, high]| *low < 0.0 && *high >= 0.0) {
+            return None;
+        }
+        let upper_first = inverses.map(|[low, _]| usize::from(low < 0.0));
+        let origins: [[f32; 2]; 3] = from_fn(|axis| range(eights.each_ref().map(|rays| rays.origin.0[axis])));
         Some(Self {
             root,
             through,
-            span: range(&through),
+            span: range(through),
             // A greater origin is nearer to the upper sides.
             bounds: [1, 0].map(|near| from_fn(|axis| origins[axis][near ^ upper_first[axis]])),
-            inverses: inverse.each_ref().map(range),
+            inverses,
             inverse,
-            rays: lanes,
+            longest,
+            rays: eights,
             upper_first,
         })
     }
@@ -96,11 +110,19 @@ impl Packet {
 
     /// Which rays meet the box in a slot of a node before their limits, as bits.
     #[inline]
-    fn meet(&self, node: &impl Boxes, slot: usize, limits: f32x8) -> u32 {
-        let distance = |axis: usize, which: usize| {
-            (node.side(slot, axis, which, self.through) - self.rays.origin.0[axis]) * self.inverse[axis]
+    fn meet(&self, node: &impl Boxes, slot: usize, limits: &Lanes) -> u32 {
+        let meet = |i: usize| {
+            let distance = |axis: usize, end: usize| {
+                let side = node.side(slot, axis, self.upper_first[axis] ^ end, self.through[i]);
+                (side - self.rays[i].origin.0[axis]) * self.inverse[i][axis]
+            };
+            // As `met`, which doesn't know which side is the nearer one.
+            let enter =
+                distance(0, 0).fast_max(distance(1, 0)).fast_max(distance(2, 0).fast_max(f32x8::ZERO));
+            let leave = distance(0, 1).fast_min(distance(1, 1)).fast_min(distance(2, 1));
+            enter.simd_le((leave * f32x8::splat(SLACK)).fast_min(limits[i])).to_bitmask()
         };
-        met(|axis| [distance(axis, 0), distance(axis, 1)], limits).0
+        (0..EIGHTS).fold(0, |all, i| all | meet(i) << (8 * i))
     }
 
     /// Walks the rays through a tree, and puts what they find into `searches`. Each meets at least the boxes that it meets alone, so it
@@ -111,16 +133,17 @@ impl Packet {
         tree: &Tree<impl Boxes>,
         rays: &[Ray; RAYS],
         searches: &mut [Search; RAYS],
+        leaves: &mut Leaves,
         stack: &mut Vec<Waiting>,
         context: &mut Context,
     ) {
         for (search, ray) in searches.iter_mut().zip(rays) {
             search.restart(ray);
         }
-        let mut limits = f32x8::new(from_fn(|ray| limit(rays[ray].t_max)));
-        let mut farthest = highest(&limits);
+        let mut limits = self.rays.each_ref().map(|rays| limit_eight(rays.t_max));
+        let mut farthest = range(limits)[1];
         let mut walking = ALL;
-        let mut eight = self.rays.widened();
+        leaves.restart();
         stack.clear();
         stack.push(Waiting { entry: Entry::new(self.root, 0.0), rays: ALL });
         while let Some(Waiting { entry, rays: meeting }) = stack.pop() {
@@ -132,24 +155,39 @@ impl Packet {
                 self.descend::<M>(tree, entry.child(), (&limits, farthest, walking), stack);
                 continue;
             };
-            if !at_once::<M>(tree, leaf, left, &mut eight, searches, context) {
-                // All candidates first: what the branches below depend on is known when they come.
-                let mut candidates = [(0, 0); RAYS];
-                for ray in lanes_of(left) {
-                    candidates[ray] = searches[ray].candidates::<M>(tree, leaf);
-                }
-                for ray in lanes_of(left) {
-                    searches[ray].settle::<M>(tree, leaf, candidates[ray], context);
-                }
-            }
-            for ray in lanes_of(left) {
+            let changed = match tree.content(leaf) {
+                Content::Triangles(block) => leaves.visit::<M>(self, tree, block, left, searches),
+                Content::Other(index) => self.other::<M>(tree, index, left, searches, context),
+            };
+            for ray in lanes_of::<RAYS>(changed) {
                 if M::ANY && searches[ray].is_blocked() {
                     walking &= !(1 << ray);
                 }
-                limits.as_mut_array()[ray] = searches[ray].limit();
+                limits[ray / 8].as_mut_array()[ray % 8] = searches[ray].limit();
             }
-            farthest = highest(&limits);
+            if changed != 0 {
+                farthest = range(limits)[1];
+            }
         }
+        leaves.finish(self, tree, searches);
+    }
+
+    /// The rays by eights.
+    #[inline]
+    pub(super) fn rays(&self) -> &[EightRays<f32x8>; EIGHTS] {
+        &self.rays
+    }
+
+    /// The longest component of all directions.
+    #[inline]
+    pub(super) fn longest(&self) -> usize {
+        self.longest
+    }
+
+    /// Whether all begin at one point.
+    #[inline]
+    pub(super) fn has_one_origin(&self) -> bool {
+        self.bounds[0] == self.bounds[1]
     }
 
     /// Leaves the children of a node that rays meet for later, with the farthest at the bottom.
@@ -158,17 +196,17 @@ impl Packet {
         &self,
         tree: &Tree<impl Boxes>,
         node: Child,
-        (limits, farthest, walking): (&f32x8, f32, u32),
+        (limits, farthest, walking): (&Lanes, f32, u32),
         stack: &mut Vec<Waiting>,
     ) {
         let node = tree.node(node);
         let (slots, near) = self.enter(node, farthest);
         let base = stack.len();
         let mut meeting = [0; WIDTH];
-        for slot in lanes_of(slots) {
-            meeting[slot] = self.meet(node, slot, *limits) & walking;
+        for slot in lanes_of::<WIDTH>(slots) {
+            meeting[slot] = self.meet(node, slot, limits) & walking;
         }
-        for slot in lanes_of(slots) {
+        for slot in lanes_of::<WIDTH>(slots) {
             let rays = meeting[slot];
             if rays == 0 {
                 continue;
@@ -185,41 +223,50 @@ impl Packet {
             stack[place] = waiting;
         }
     }
-}
 
-/// Tries a leaf's shape against those rays of a packet that meet its box, given as bits, if it can be tested against eight at once.
-#[inline]
-fn at_once<M: Mode>(
-    tree: &Tree<impl Boxes>,
-    leaf: usize,
-    meeting: u32,
-    eight: &mut EightRays,
-    searches: &mut [Search; RAYS],
-    context: &Context,
-) -> bool {
-    let Content::Other(index) = tree.content(leaf) else { return false };
-    eight.t_max = f32x8::new(from_fn(|ray| searches[ray].reach()));
-    let hits = tree.group.other_eight(index, eight, context);
-    if let Some(hits) = &hits {
-        for ray in lanes_of(meeting & hits.lanes) {
-            searches[ray].accept::<M>(tree.group, Found::Item(index, hits.get(ray)));
+    /// Tries an item that isn't a triangle against those rays that meet its box, given as bits, by eights where it can be; returns them.
+    #[inline]
+    fn other<M: Mode>(
+        &self,
+        tree: &Tree<impl Boxes>,
+        index: usize,
+        meeting: u32,
+        searches: &mut [Search; RAYS],
+        context: &mut Context,
+    ) -> u32 {
+        let (searches, _) = searches.as_chunks_mut::<8>();
+        for (i, searches) in searches.iter_mut().enumerate() {
+            let lanes = meeting >> (8 * i) & 0xff;
+            if lanes == 0 {
+                continue;
+            }
+            if let Some(hits) = tree.group.other_eight(index, &reaching(&self.rays[i], searches), context) {
+                for lane in lanes_of::<8>(lanes & hits.lanes) {
+                    searches[lane].accept::<M>(tree.group, Found::Item(index, hits.get(lane)));
+                }
+            } else {
+                lanes_of::<8>(lanes).for_each(|lane| searches[lane].other::<M>(tree, index, context));
+            }
         }
+        meeting
     }
-    hits.is_some()
 }
 
-/// The lanes of a mask, in their order.
+/// Eight rays as far as they still matter.
 #[inline]
-pub(super) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (mask != 0).then_some(mask.trailing_zeros() as usize % RAYS);
-        mask &= mask.wrapping_sub(1);
-        lane
-    })
+pub(super) fn reaching(rays: &EightRays<f32x8>, searches: &[Search; 8]) -> EightRays {
+    EightRays { t_max: f32x8::new(from_fn(|lane| searches[lane].reach())), ..rays.widened() }
 }
 
-fn highest(limits: &f32x8) -> f32 {
-    limits.as_array().iter().fold(f32::NEG_INFINITY, |all, x| all.max(*x))
+/// The smallest and the largest of some numbers.
+#[inline]
+fn range(of: Lanes) -> [f32; 2] {
+    let ends = of.iter().skip(1).fold([of[0]; 2], |[low, high], x| [low.fast_min(*x), high.fast_max(*x)]);
+    let [low, high] = ends.each_ref().map(f32x8::as_array);
+    [
+        low.iter().fold(f32::INFINITY, |all, x| all.min(*x)),
+        high.iter().fold(f32::NEG_INFINITY, |all, x| all.max(*x)),
+    ]
 }
 
 #[cfg(test)]
@@ -229,16 +276,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packets_are_narrow_and_in_one_octant() {
+    fn packets_are_narrow_in_one_octant_and_along_one_axis() {
         let group: Group = Group::of_scene(&[], &[]);
         let packet = |way: Vec3, turn: Vec3| {
             let rays = from_fn(|ray| Ray::new(Vec3::ZERO, (way + turn * ray as f32).normalize(), 0.0));
             Packet::new(&group, &rays)
         };
         let way = Vec3::new(1.0, 0.5, 0.5);
-        // The last of eight turns by about 1.6°, and by 16°.
-        assert!(packet(way, Vec3::Y * 0.005).is_some());
-        assert!(packet(way, Vec3::Y * 0.05).is_none());
-        assert!(packet(Vec3::new(1.0, -0.01, 0.5), Vec3::Y * 0.005).is_none());
+        // The last of sixteen turns by about 1.5°, and by 15°.
+        assert!(packet(way, Vec3::Y * 0.0025).is_some());
+        assert!(packet(way, Vec3::Y * 0.025).is_none());
+        assert!(packet(Vec3::new(1.0, -0.01, 0.5), Vec3::Y * 0.0025).is_none());
+        assert!(packet(Vec3::new(1.0, 0.99, 0.5), Vec3::Y * 0.0025).is_none());
     }
 }

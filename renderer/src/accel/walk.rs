@@ -1,10 +1,11 @@
 //! How a ray walks a tree.
 
+use glam::Vec3;
 use wide::{f32x8, f32x16};
 
-use super::block::{BlockMemory, BlockRef, Probe};
+use super::block::{BlockMemory, BlockRef, Candidates, Probe};
 use super::group::{Context, Group};
-use super::node::{Boxes, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
+use super::node::{Boxes, Child, NodeMemory, Slab, WIDTH, lanes_of, limit, prefetch};
 use crate::ray::{Hit, Ray};
 use crate::shapes::ShapeHit;
 use crate::shapes::triangle::ShearedRay;
@@ -185,16 +186,13 @@ impl Search {
     /// Tries what is in a leaf.
     #[inline]
     pub(super) fn leaf<M: Mode>(&mut self, tree: &Tree<impl Boxes>, leaf: usize, context: &mut Context) {
-        let candidates = self.candidates::<M>(tree, leaf);
-        self.settle::<M>(tree, leaf, candidates, context);
-    }
-
-    /// The lanes of a leaf's triangles that the ray may hit, and of those that it hits for certain, as bits.
-    #[inline]
-    pub(super) fn candidates<M: Mode>(&mut self, tree: &Tree<impl Boxes>, leaf: usize) -> (u32, u32) {
         match tree.content(leaf) {
-            Content::Triangles(block) => block.candidates::<M>(&self.ray, &mut self.probe),
-            Content::Other(_) => (0, 0),
+            Content::Triangles(block) => {
+                let probe = self.probe.get_or_insert_with(|| Probe::new(&self.ray));
+                let candidates = block.relative(probe).candidates(probe, self.ray.t_max);
+                self.settle::<M>(tree, block, candidates);
+            }
+            Content::Other(index) => self.other::<M>(tree, index, context),
         }
     }
 
@@ -203,35 +201,42 @@ impl Search {
     pub(super) fn settle<M: Mode>(
         &mut self,
         tree: &Tree<impl Boxes>,
-        leaf: usize,
-        (mut lanes, certain): (u32, u32),
-        context: &mut Context,
+        block: BlockRef,
+        Candidates { lanes, certain, .. }: Candidates,
     ) {
-        let block = match tree.content(leaf) {
-            Content::Triangles(block) => block,
-            Content::Other(index) => {
-                if let Some(hit) = tree.group.other(index, &self.ray, context) {
-                    self.accept::<M>(tree.group, hit);
-                }
-                return;
-            }
-        };
         if M::ANY && certain != 0 {
             self.is_blocked = true;
             return;
         }
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros();
-            lanes &= lanes - 1;
-            let index = block.first() + lane as usize;
-            let sheared = self.sheared.get_or_insert_with(|| ShearedRay::new(&self.ray));
-            if let Some(hit) = sheared.hit(&block.triangle(lane), self.ray.t_max) {
-                self.accept::<M>(tree.group, Found::Item(index, hit));
-                if M::ANY {
-                    return;
-                }
+        for lane in lanes_of::<WIDTH>(lanes) {
+            self.test::<M>(tree, block.first() + lane, &block.triangle(lane));
+            if M::ANY && self.is_blocked {
+                return;
             }
         }
+    }
+
+    /// Tests a triangle, the item of that index.
+    #[inline]
+    pub(super) fn test<M: Mode>(&mut self, tree: &Tree<impl Boxes>, index: usize, corners: &[Vec3; 3]) {
+        let sheared = self.sheared.get_or_insert_with(|| ShearedRay::new(&self.ray));
+        if let Some(hit) = sheared.hit(corners, self.ray.t_max) {
+            self.accept::<M>(tree.group, Found::Item(index, hit));
+        }
+    }
+
+    /// Tries an item that isn't a triangle.
+    #[inline]
+    pub(super) fn other<M: Mode>(&mut self, tree: &Tree<impl Boxes>, index: usize, context: &mut Context) {
+        if let Some(hit) = tree.group.other(index, &self.ray, context) {
+            self.accept::<M>(tree.group, hit);
+        }
+    }
+
+    /// Hits matter below `t_max` only.
+    #[inline]
+    pub(super) fn shorten(&mut self, t_max: f32) {
+        self.ray.t_max = self.ray.t_max.min(t_max);
     }
 
     /// Takes note of a hit before the ray's `t_max`.

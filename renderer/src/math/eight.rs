@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use wide::{f32x8, f64x8, i32x8};
 
 /// Eight vectors, coordinate by coordinate.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Eight<T>(pub [T; 3]);
 
 /// Eight vectors of f32.
@@ -31,6 +31,15 @@ impl<T: Copy + Add<Output = T> + Mul<Output = T>> Eight<T> {
     pub fn dot(self, other: Self) -> T {
         let ([x, y, z], [ox, oy, oz]) = (self.0, other.0);
         x * ox + y * oy + z * oz
+    }
+}
+
+impl<T: Copy + Sub<Output = T> + Mul<Output = T>> Eight<T> {
+    /// The cross products, in the order of `Vec3::cross`.
+    #[inline]
+    pub fn cross(self, other: Self) -> Self {
+        let ([x, y, z], [ox, oy, oz]) = (self.0, other.0);
+        Self([y * oz - oy * z, z * ox - oz * x, x * oy - ox * y])
     }
 }
 

@@ -1,9 +1,12 @@
 //! Triangles: a watertight test against rays.
 
 use glam::{DVec3, Vec3};
+use wide::f64x8;
 
-use super::{ShapeHit, accept};
-use crate::ray::Ray;
+use super::rounding::accept_eight;
+use super::{EightHits, ShapeHit, accept};
+use crate::math::eight::{DVec3x8, rounded, widened};
+use crate::ray::{EightRays, Ray};
 
 /// A ray prepared for triangles: in coordinates relative to its origin, its direction becomes (0, 0, 1) by taking its
 /// longest component as z and shearing x and y.
@@ -80,5 +83,88 @@ impl ShearedRay {
         #[expect(clippy::cast_possible_truncation, reason = "parameters of a hit are f32")]
         let uv = weights.map(|w| w as f32);
         Some(ShapeHit { t: accept(t, t_max)?, uv })
+    }
+}
+
+/// What `ShearedRay::hit` finds for each of eight rays on a triangle of its own, bit for bit, if component `z` is the longest of all
+/// directions.
+#[inline]
+pub(crate) fn hit_eight(rays: &EightRays, z: usize, [a, b, c]: [DVec3x8; 3]) -> EightHits {
+    let axes = [(z + 1) % 3, (z + 2) % 3, z];
+    let [dx, dy, dz] = axes.map(|axis| rays.direction.0[axis]);
+    let start = axes.map(|axis| rays.origin.0[axis]);
+    let shear = [dx / dz, dy / dz, f64x8::ONE / dz];
+    let project = |v: &DVec3x8| {
+        let [x, y, z] = axes.map(|axis| v.0[axis]);
+        let z = z - start[2];
+        let round = |x: f64x8| widened(rounded(x));
+        (round(x - start[0] - shear[0] * z), round(y - start[1] - shear[1] * z), z * shear[2])
+    };
+    let [(ax, ay, az), (bx, by, bz), (cx, cy, cz)] = [project(&a), project(&b), project(&c)];
+    let u = cx * by - cy * bx;
+    let v = ax * cy - ay * cx;
+    let w = bx * ay - by * ax;
+    let some =
+        |test: fn(f64x8, f64x8) -> f64x8| test(u, f64x8::ZERO) | test(v, f64x8::ZERO) | test(w, f64x8::ZERO);
+    let missed = some(f64x8::simd_lt) & some(f64x8::simd_gt);
+    let sum = u + v + w;
+    let normal = (b - a).cross(c - a);
+    let slope = normal.dot(rays.direction);
+    let missed = missed | sum.simd_eq(f64x8::ZERO) | slope.simd_eq(f64x8::ZERO);
+    let plane = normal.dot(a - rays.origin) / slope;
+    let t = plane.fast_max(az.fast_min(bz).fast_min(cz)).fast_min(az.fast_max(bz).fast_max(cz));
+    let (accepted, t) = accept_eight(t, rays.t_max);
+    EightHits { lanes: accepted & !missed.to_bitmask(), t, uv: [v / sum, w / sum].map(rounded) }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::array::from_fn;
+
+    use super::*;
+    use crate::math::eight::Vec3x8;
+    use crate::sampling::warp::square_to_sphere;
+
+    /// A point of the unit sphere for each `n`, without an order.
+    fn point(n: usize) -> Vec3 {
+        square_to_sphere([0.754_877, 0.569_84].map(|step: f32| (n as f32 * step).fract()))
+    }
+
+    #[test]
+    fn eight_triangles_are_tested_as_each_alone() {
+        let (mut hits, mut misses) = (0, 0);
+        for n in 0..20_000 {
+            let axis = n % 3;
+            let rays: [Ray; 8] = from_fn(|lane| {
+                let way = Vec3::AXES[axis] * if n % 2 == 0 { 2.0 } else { -2.0 } + point(8 * n + lane);
+                let t_max = if lane == 0 { 1.0 } else { f32::INFINITY };
+                Ray { t_max, ..Ray::new(point(3 * n + lane), way.normalize(), 0.0) }
+            });
+            // Small ones around a point of the ray, met inside, on a vertex, an edge, from behind, edge-on, and without area.
+            let triangles: [[Vec3; 3]; 8] = from_fn(|lane| {
+                let ray = &rays[lane];
+                let [a, b] = [5, 7].map(|k| point(k * n + lane) * 0.1);
+                let at = ray.at(point(n).x * 2.0);
+                match lane {
+                    2 => [at, at + a, at + b],
+                    3 => [at - a, at + a, at + b],
+                    4 => [at, at + ray.direction, at + a],
+                    5 => [at, at + a, at + a],
+                    _ => [at - a - b, at + a, at + b],
+                }
+            });
+            let corners = from_fn(|corner| {
+                let mut eight = Vec3x8::ZERO;
+                (0..8).for_each(|lane| eight.set(lane, triangles[lane][corner]));
+                eight.widened()
+            });
+            let found = hit_eight(&EightRays::new(&rays).widened(), axis, corners);
+            for lane in 0..8 {
+                let alone = ShearedRay::new(&rays[lane]).hit(&triangles[lane], rays[lane].t_max);
+                assert_eq!((found.lanes >> lane & 1 == 1).then(|| found.get(lane)), alone, "{n} {lane}");
+                *(if alone.is_some() { &mut hits } else { &mut misses }) += 1;
+            }
+        }
+        assert!(hits > 20_000 && misses > 20_000, "{hits} {misses}");
     }
 }
