@@ -6,6 +6,7 @@ use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
+use smallvec::SmallVec;
 use wide::f32x8;
 
 use super::block::{BlockMemory, block};
@@ -129,12 +130,8 @@ impl Group {
         let first = |leaf: usize| if leaf == 0 { 0 } else { leaf_ends[leaf - 1] };
         let items = |leaf: usize| &order[first(leaf) as usize..leaf_ends[leaf] as usize];
         let leaf = |leaf: usize| {
-            let mut lanes = [None; 8];
-            let items = items(leaf);
-            for (lane, &item) in lanes.iter_mut().zip(items) {
-                *lane = list[item as usize].triangle;
-            }
-            block(&lanes[..items.len()], first(leaf))
+            let triangles = items(leaf).iter().map(|&item| list[item as usize].triangle);
+            block(&triangles.collect::<SmallVec<[_; WIDTH]>>(), first(leaf))
         };
         let has_triangles = list.iter().any(|item| item.triangle.is_some());
         let blocks = Array::new(if has_triangles { leaf_ends.len() } else { 0 }, leaf);
