@@ -176,7 +176,7 @@ proptest! {
             let (origin, aim) = (inside(rng, 12.0), inside(rng, if bundle % 2 == 0 { 0.5 } else { 3.0 }));
             // Along an axis, some rays of a bundle point to its other side, or have no part along it.
             let axis = bundle % 4 == 0;
-            for ray in 0..48 {
+            for ray in 0..64 {
                 let start = origin + if bundle % 2 == 0 { DVec3::ZERO } else { inside(rng, 0.1) };
                 let turn = inside(rng, spread) * f64::from(ray % 3);
                 let way = if axis { DVec3::X + turn } else { (aim - origin).normalize() + turn };
@@ -187,7 +187,7 @@ proptest! {
         let hits = found(&accel, &rays)?;
         prop_assert!(hits.iter().any(Option::is_some) && hits.iter().any(Option::is_none));
         // Among twice as many others, rays stay in the order given, and those of a packet see the trees of several segments.
-        let mixed: Vec<Ray> = rays.chunks(16).flat_map(|some| [some, &self::rays(rng, 32)].concat()).collect();
+        let mixed: Vec<Ray> = rays.chunks(32).flat_map(|some| [some, &self::rays(rng, 64)].concat()).collect();
         found(&accel, &mixed)?;
     }
 

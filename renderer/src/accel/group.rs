@@ -214,7 +214,8 @@ impl<N: Boxes> Group<N> {
     }
 
     /// Walks rays one after the other and calls `done` with the index of each and what it found.
-    #[inline]
+    // Not inlined: what it keeps of a packet's rays would be room that the other walks ask for too.
+    #[inline(never)]
     pub(super) fn walk_each<M: Mode>(
         &self,
         rays: &[Ray],
