@@ -21,6 +21,7 @@ mod solid_angle;
 mod spawn;
 mod spheres;
 mod tables;
+mod together;
 mod warps;
 mod watertight;
 
@@ -52,8 +53,14 @@ fn entries() -> impl Iterator<Item = Entry> {
 
 /// The claims of the group.
 pub(super) fn claims() -> Vec<Claim> {
-    let scenes =
-        [watertight::claims(), spawn::claims(), invariance::claims(), hard::claims(), dropped::claims()];
+    let scenes = [
+        watertight::claims(),
+        together::claims(),
+        spawn::claims(),
+        invariance::claims(),
+        hard::claims(),
+        dropped::claims(),
+    ];
     let routines = entries().map(|entry| entry.claim).chain(arithmetic::long_sums());
     routines.chain(scenes.into_iter().flatten()).collect()
 }

@@ -67,7 +67,7 @@ pub(super) fn claims() -> Vec<Claim> {
 }
 
 /// A ball of two poles and `side` − 1 rings of as many corners at distances of 1 to 1.5 from the origin, drawn from `seed`.
-fn mesh(seed: u64, side: u32) -> MeshData {
+pub(super) fn ball(seed: u64, side: u32) -> MeshData {
     let corner = |index: u32, theta: f64, phi: f64| {
         let radius = Numbers::new(seed, u64::from(index)).between(1.0, 1.5);
         let (sin, cos) = (theta.sin(), theta.cos());
@@ -148,19 +148,19 @@ fn count(
 }
 
 fn judge(body: Body, run: &Run, trials: u64, bound: f64) -> Result<Evidence, InputError> {
-    traced(&mesh(run.seed, body.side), body.moves, run, (trials, bound), |_| ())
+    traced(&ball(run.seed, body.side), body.moves, run, (trials, bound), |_| ())
 }
 
 /// The rays of the fine mesh, with what they found spoilt.
 fn in_turns(run: &Run, spoil: impl Fn(&mut [Option<Hit>])) -> Result<Evidence, InputError> {
     let bound = 1e-4;
     let trials = share::trials_for(bound)? * run.effort;
-    traced(&mesh(run.seed, FINE.side), FINE.moves, run, (trials, bound), spoil)
+    traced(&ball(run.seed, FINE.side), FINE.moves, run, (trials, bound), spoil)
 }
 
 /// The rays of the whole mesh against one with a hole.
 fn missing(body: Body, run: &Run) -> Result<Evidence, InputError> {
-    let mut holed = mesh(run.seed, body.side);
+    let mut holed = ball(run.seed, body.side);
     // At the equator: a three-hundredth of all directions, which a third of the rays take; some 20 find it, none with
     // probability 2e-9.
     holed.triangles.remove(holed.triangles.len() * 17 / 32);
@@ -190,7 +190,7 @@ fn traced(
 
 /// The same by a test in single precision that knows nothing of its neighbour, on every triangle.
 fn naive(Body { side, moves }: Body, run: &Run) -> Result<Evidence, InputError> {
-    let (mesh, motion) = (mesh(run.seed, side), motion()?);
+    let (mesh, motion) = (ball(run.seed, side), motion()?);
     let trials = 5_000;
     let leaks = count(&mesh, moves, run, trials, |rays| {
         let meets = |ray: &&Ray| {
