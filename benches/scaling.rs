@@ -16,14 +16,18 @@ const COUNTS: [f64; 9] = [1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6, 3e6, 1e7];
 
 const SETS: [&str; 3] = ["coherent", "secondary", "shuffled"];
 
-/// Rays in one query, and passes whose median counts.
+/// Rays in one query, and measurements whose median counts.
 const BATCH: usize = 4096;
 const ROUNDS: usize = 5;
+
+/// Seconds that a measurement takes at least: the clock of processor time has steps of 4 ms.
+const LEAST: f64 = 0.2;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let once = arguments.iter().any(|argument| argument == "--test");
     let largest = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(if once { 1e4 } else { 1e7 });
+    let least = if once { 0.0 } else { LEAST };
     let mut curves: [Vec<(f64, f64)>; 3] = Default::default();
     println!("ns a ray, and growth over the logarithm's: {}", SETS.join(", "));
     println!("{:>10} {:>10} {:>18} {:>18}", "triangles", "bytes each", "ns a ray", "growth");
@@ -36,7 +40,7 @@ fn main() {
         let bytes = (resident() - before) / count;
         let sets = ray_sets(&accel, if once { 32 } else { 512 });
         for (curve, set) in curves.iter_mut().zip(&sets) {
-            curve.push((count, median((0..ROUNDS).map(|_| time(&accel, &set.rays)).collect())));
+            curve.push((count, median((0..ROUNDS).map(|_| time(&accel, &set.rays, least)).collect())));
         }
         let last = curves.each_ref().map(|curve| format!("{:.0}", curve[curve.len() - 1].1)).join(" / ");
         let growth = curves.each_ref().map(|curve| {
@@ -52,12 +56,19 @@ fn main() {
     }
 }
 
-/// Nanoseconds of processor time a ray.
-fn time(accel: &Accel, rays: &[Ray]) -> f64 {
+/// Nanoseconds of processor time a ray, of as many passes as take `least` seconds.
+fn time(accel: &Accel, rays: &[Ray], least: f64) -> f64 {
     let mut hits = Vec::new();
     let start = busy();
-    rays.chunks(BATCH).for_each(|batch| accel.closest(batch, &mut hits));
-    (busy() - start) * 1e9 / rays.len() as f64
+    let mut passes = 0;
+    loop {
+        rays.chunks(BATCH).for_each(|batch| accel.closest(batch, &mut hits));
+        passes += 1;
+        let seconds = busy() - start;
+        if seconds.is_nan() || seconds >= least {
+            return seconds * 1e9 / (passes * rays.len()) as f64;
+        }
+    }
 }
 
 /// Bytes of memory that the process holds, where the system tells.

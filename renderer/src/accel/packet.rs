@@ -108,21 +108,17 @@ impl Packet {
         met(distances, f32x8::splat(limit))
     }
 
-    /// Which rays meet the box in a slot of a node before their limits, as bits.
+    /// Which of eight rays meet the box in a slot of a node before their limits, as bits.
     #[inline]
-    fn meet(&self, node: &impl Boxes, slot: usize, limits: &Lanes) -> u32 {
-        let meet = |i: usize| {
-            let distance = |axis: usize, end: usize| {
-                let side = node.side(slot, axis, self.upper_first[axis] ^ end, self.through[i]);
-                (side - self.rays[i].origin.0[axis]) * self.inverse[i][axis]
-            };
-            // As `met`, which doesn't know which side is the nearer one.
-            let enter =
-                distance(0, 0).fast_max(distance(1, 0)).fast_max(distance(2, 0).fast_max(f32x8::ZERO));
-            let leave = distance(0, 1).fast_min(distance(1, 1)).fast_min(distance(2, 1));
-            enter.simd_le((leave * f32x8::splat(SLACK)).fast_min(limits[i])).to_bitmask()
+    fn meet(&self, node: &impl Boxes, slot: usize, i: usize, limits: f32x8) -> u32 {
+        let distance = |axis: usize, end: usize| {
+            let side = node.side(slot, axis, self.upper_first[axis] ^ end, self.through[i]);
+            (side - self.rays[i].origin.0[axis]) * self.inverse[i][axis]
         };
-        (0..EIGHTS).fold(0, |all, i| all | meet(i) << (8 * i))
+        // As `met`, which doesn't know which side is the nearer one.
+        let enter = distance(0, 0).fast_max(distance(1, 0)).fast_max(distance(2, 0).fast_max(f32x8::ZERO));
+        let leave = distance(0, 1).fast_min(distance(1, 1)).fast_min(distance(2, 1));
+        enter.simd_le((leave * f32x8::splat(SLACK)).fast_min(limits)).to_bitmask()
     }
 
     /// Walks the rays through a tree, and puts what they find into `searches`. Each meets at least the boxes that it meets alone, so it
@@ -152,7 +148,7 @@ impl Packet {
                 continue;
             }
             let Some(leaf) = entry.child().leaf() else {
-                self.descend::<M>(tree, entry.child(), (&limits, farthest, walking), stack);
+                self.descend::<M>(tree, entry.child(), (&limits, farthest, left), stack);
                 continue;
             };
             let changed = match tree.content(leaf) {
@@ -190,21 +186,26 @@ impl Packet {
         self.bounds[0] == self.bounds[1]
     }
 
-    /// Leaves the children of a node that rays meet for later, with the farthest at the bottom.
+    /// Leaves the children of a node that some of `rays` (bits) meet for later, with the farthest at the bottom.
     #[inline]
     fn descend<M: Mode>(
         &self,
         tree: &Tree<impl Boxes>,
         node: Child,
-        (limits, farthest, walking): (&Lanes, f32, u32),
+        (limits, farthest, rays): (&Lanes, f32, u32),
         stack: &mut Vec<Waiting>,
     ) {
         let node = tree.node(node);
         let (slots, near) = self.enter(node, farthest);
         let base = stack.len();
         let mut meeting = [0; WIDTH];
-        for slot in lanes_of::<WIDTH>(slots) {
-            meeting[slot] = self.meet(node, slot, limits) & walking;
+        for (i, limits) in limits.iter().enumerate() {
+            let eight = rays >> (8 * i) & 0xff;
+            if eight != 0 {
+                for slot in lanes_of::<WIDTH>(slots) {
+                    meeting[slot] |= (self.meet(node, slot, i, *limits) & eight) << (8 * i);
+                }
+            }
         }
         for slot in lanes_of::<WIDTH>(slots) {
             let rays = meeting[slot];
