@@ -16,7 +16,7 @@ use super::leaves::Leaves;
 use super::memory::Array;
 use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
 use super::object::Object;
-use super::packet::{Lanes, Packet, RAYS, Waiting};
+use super::packet::{Packet, RAYS, Waiting};
 use super::turns;
 use super::walk::{Any, Closest, Entry, Found, Mode, Search, Tree, walk};
 use crate::math::bounds::Bounds;
@@ -161,13 +161,10 @@ impl<N: Boxes> Group<N> {
         N::place(&self.clock, ray)
     }
 
-    /// The root that rays of a packet start at, if it is the same for all, and how far through its tree's span of time each is.
+    /// How far through the span of time of the tree of that index eight rays are: beyond 0 and 1 where other trees are for them.
     #[inline]
-    pub(super) fn start_together(&self, first: &Ray, times: Lanes) -> Option<(Child, Lanes)> {
-        let tree = self.place(first).0;
-        let through = times.map(|times| N::through(&self.clock, tree, times));
-        let is_within = |x: &f32x8| (x.simd_ge(f32x8::ZERO) & x.simd_le(f32x8::ONE)).all();
-        through.iter().all(is_within).then_some((self.roots[tree], through))
+    pub(super) fn through(&self, tree: usize, times: f32x8) -> f32x8 {
+        N::through(&self.clock, tree, times)
     }
 
     /// The root of that tree instead of its index.
@@ -228,19 +225,19 @@ impl<N: Boxes> Group<N> {
         let mut waiting = std::mem::take(&mut context.waiting);
         let (mut searches, mut leaves) = ([Search::new(first); RAYS], Leaves::default());
         let (tree, mut index) = (self.tree(), 0..);
-        let (packets, others) = rays.as_chunks::<RAYS>();
-        for rays in packets {
-            if let Some(packet) = Packet::new(self, rays) {
-                packet.walk::<M>(&tree, rays, &mut searches, &mut leaves, &mut waiting, context);
-                searches.iter().zip(&mut index).for_each(|(found, index)| done(index, found));
+        let mut left = rays;
+        while !left.is_empty() {
+            let packet = Packet::new(self, left);
+            let count = packet.as_ref().map_or(left.len().min(8), Packet::count);
+            let now = left.split_off(..count).unwrap_or_default();
+            if let Some(packet) = packet {
+                packet.walk::<M>(&tree, now, &mut searches, &mut leaves, &mut waiting, context);
+                searches.iter().zip(index.by_ref().take(count)).for_each(|(found, index)| done(index, found));
                 continue;
             }
-            for (ray, index) in rays.iter().zip(&mut index) {
+            for (ray, index) in now.iter().zip(&mut index) {
                 done(index, &walk::<M>(&tree, ray, &mut stack, context));
             }
-        }
-        for (ray, index) in others.iter().zip(&mut index) {
-            done(index, &walk::<M>(&tree, ray, &mut stack, context));
         }
         (context.stack, context.waiting) = (stack, waiting);
     }

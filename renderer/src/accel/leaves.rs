@@ -37,7 +37,7 @@ impl Leaves {
     fn prepare(&mut self, packet: &Packet) {
         self.is_prepared = true;
         self.is_one_origin = packet.has_one_origin();
-        for (probes, rays) in self.probes.iter_mut().zip(packet.rays()) {
+        for (probes, rays) in self.probes.iter_mut().zip(packet.eights()) {
             *probes = Probes::new(rays, packet.longest());
         }
     }
@@ -116,7 +116,7 @@ impl Leaves {
     #[inline]
     pub(super) fn finish(&self, packet: &Packet, tree: &Tree<impl Boxes>, searches: &mut [Search; RAYS]) {
         let (searches, _) = searches.as_chunks_mut::<8>();
-        for (i, (searches, rays)) in searches.iter_mut().zip(packet.rays()).enumerate() {
+        for (i, (searches, rays)) in searches.iter_mut().zip(packet.eights()).enumerate() {
             let lanes = self.waiting >> (8 * i) & 0xff;
             if lanes == 0 {
                 continue;

@@ -1,4 +1,4 @@
-//! Thirty-two rays that go the same way, walked together.
+//! Up to thirty-two rays that go the same way, walked together.
 
 use std::array::from_fn;
 
@@ -11,17 +11,14 @@ use super::walk::{Content, Entry, Found, Mode, Search, Tree};
 use crate::math::eight::Vec3x8;
 use crate::ray::{EightRays, Ray};
 
-/// Eights of rays in a packet; measured in benches/README.md.
+/// Most eights of rays in a packet; measured in benches/README.md.
 pub(super) const EIGHTS: usize = 4;
 
-/// Rays of a packet.
+/// Most rays of a packet.
 pub(super) const RAYS: usize = 8 * EIGHTS;
 
 /// A number for each ray.
-pub(super) type Lanes = [f32x8; EIGHTS];
-
-/// All rays of a packet, as bits.
-const ALL: u32 = u32::MAX >> (32 - RAYS);
+type Lanes = [f32x8; EIGHTS];
 
 /// Cosine of the widest angle between the first ray of a packet and another; measured in benches/README.md.
 const NARROW: f32 = 0.999;
@@ -33,15 +30,24 @@ pub(super) struct Waiting {
     rays: u32,
 }
 
-/// Rays prepared for boxes.
+/// Eight rays prepared for boxes.
+#[derive(Debug, Clone, Copy)]
+struct Eight {
+    rays: EightRays<f32x8>,
+    inverse: [f32x8; 3],
+    /// How far through their tree's span of time, beyond 0 and 1 where other trees are for them.
+    through: f32x8,
+}
+
+/// Eights of rays prepared for boxes.
 #[derive(Debug)]
 pub(super) struct Packet {
-    /// Where they begin, how far through its tree's span of time each is, and the first and the last of them.
+    /// How many there are; the other eights repeat the first.
+    count: usize,
+    eights: [Eight; EIGHTS],
+    /// Where they begin, and how far through its tree's span of time the first and the last of them are.
     root: Child,
-    through: Lanes,
     span: [f32; 2],
-    rays: [EightRays<f32x8>; EIGHTS],
-    inverse: [[f32x8; 3]; EIGHTS],
     /// The longest component of all directions.
     longest: usize,
     /// 1 on the axes along which all rays meet the upper side first.
@@ -53,42 +59,61 @@ pub(super) struct Packet {
 }
 
 impl Packet {
-    /// The packet of `rays`; `None` if they begin at different roots, point in different octants, have different longest components, or
-    /// point too many ways to gain from it.
+    /// The packet of as many eights of `rays`, from their first on, as begin at one root, point into one octant with the same longest
+    /// component, and go the same way closely enough to gain from it; `None` if the first eight don't.
     #[inline]
-    pub(super) fn new(group: &Group<impl Boxes>, rays: &[Ray; RAYS]) -> Option<Self> {
-        let first = &rays[0];
-        let eights: [EightRays<f32x8>; EIGHTS] = from_fn(|i| EightRays::new(&rays[8 * i..][..8]));
-        let longest = first.direction.abs().max_position();
-        let way = Vec3x8::splat(first.direction);
-        let goes_along = |rays: &EightRays<f32x8>| {
-            let size = |axis: usize| rays.direction.0[axis].abs();
-            let most = size(0).fast_max(size(1)).fast_max(size(2));
-            (rays.direction.dot(way).simd_ge(NARROW) & size(longest).simd_ge(most)).all()
+    pub(super) fn new(group: &Group<impl Boxes>, rays: &[Ray]) -> Option<Self> {
+        let (of_rays, _) = rays.as_chunks::<8>();
+        let (first, others) = of_rays.split_first()?;
+        let (tree, _) = group.place(&first[0]);
+        let eight = |rays| {
+            let rays = EightRays::new(rays);
+            Eight { rays, inverse: inverses(rays.direction).0, through: group.through(tree, rays.time) }
         };
-        if !eights.iter().all(goes_along) {
+        let mut eights = [eight(first); EIGHTS];
+        let longest = first[0].direction.abs().max_position();
+        let way = Vec3x8::splat(first[0].direction);
+        let upper_first = eights[0].inverse.map(|inverse| usize::from(inverse.as_array()[0] < 0.0));
+        let is_along = |Eight { rays, inverse, through }: &Eight| {
+            let size = |axis: usize| rays.direction.0[axis].abs();
+            let is_upper = |axis: usize| inverse[axis].simd_lt(f32x8::ZERO).to_bitmask();
+            let is_close = rays.direction.dot(way).simd_ge(NARROW)
+                & size(longest).simd_ge(size(0).fast_max(size(1)).fast_max(size(2)))
+                & through.simd_ge(f32x8::ZERO)
+                & through.simd_le(f32x8::ONE);
+            is_close.all() && (0..3).all(|axis| is_upper(axis) == [0, 0xff][upper_first[axis]])
+        };
+        if !is_along(&eights[0]) {
             return None;
         }
-        let (root, through) = group.start_together(first, eights.each_ref().map(|rays| rays.time))?;
-        let inverse = eights.each_ref().map(|rays| inverses(rays.direction).0);
-        let inverses = from_fn(|axis| range(inverse.each_ref().map(|inverse| inverse[axis])));
-        if inverses.iter().any(|[low, high]| *low < 0.0 && *high >= 0.0) {
-            return None;
+        let mut count = 1;
+        for rays in others.iter().take(EIGHTS - 1) {
+            let eight = eight(rays);
+            if !is_along(&eight) {
+                break;
+            }
+            eights[count] = eight;
+            count += 1;
         }
-        let upper_first = inverses.map(|[low, _]| usize::from(low < 0.0));
-        let origins: [[f32; 2]; 3] = from_fn(|axis| range(eights.each_ref().map(|rays| rays.origin.0[axis])));
+        let inverses = from_fn(|axis| range(eights.each_ref().map(|eight| eight.inverse[axis])));
+        let origins: [[f32; 2]; 3] =
+            from_fn(|axis| range(eights.each_ref().map(|eight| eight.rays.origin.0[axis])));
         Some(Self {
-            root,
-            through,
-            span: range(through),
+            count: 8 * count,
+            root: group.roots[tree],
+            span: range(eights.each_ref().map(|eight| eight.through)),
             // A greater origin is nearer to the upper sides.
             bounds: [1, 0].map(|near| from_fn(|axis| origins[axis][near ^ upper_first[axis]])),
             inverses,
-            inverse,
             longest,
-            rays: eights,
+            eights,
             upper_first,
         })
+    }
+
+    /// How many rays there are.
+    pub(super) fn count(&self) -> usize {
+        self.count
     }
 
     /// Which boxes of a node some ray may meet before `limit` (bits), and a bound on how far away the first enters each.
@@ -110,10 +135,10 @@ impl Packet {
 
     /// Which of eight rays meet the box in a slot of a node before their limits, as bits.
     #[inline]
-    fn meet(&self, node: &impl Boxes, slot: usize, i: usize, limits: f32x8) -> u32 {
+    fn meet(&self, node: &impl Boxes, slot: usize, eight: &Eight, limits: f32x8) -> u32 {
         let distance = |axis: usize, end: usize| {
-            let side = node.side(slot, axis, self.upper_first[axis] ^ end, self.through[i]);
-            (side - self.rays[i].origin.0[axis]) * self.inverse[i][axis]
+            let side = node.side(slot, axis, self.upper_first[axis] ^ end, eight.through);
+            (side - eight.rays.origin.0[axis]) * eight.inverse[axis]
         };
         // As `met`, which doesn't know which side is the nearer one.
         let enter = distance(0, 0).fast_max(distance(1, 0)).fast_max(distance(2, 0).fast_max(f32x8::ZERO));
@@ -127,7 +152,7 @@ impl Packet {
     pub(super) fn walk<M: Mode>(
         &self,
         tree: &Tree<impl Boxes>,
-        rays: &[Ray; RAYS],
+        rays: &[Ray],
         searches: &mut [Search; RAYS],
         leaves: &mut Leaves,
         stack: &mut Vec<Waiting>,
@@ -136,12 +161,13 @@ impl Packet {
         for (search, ray) in searches.iter_mut().zip(rays) {
             search.restart(ray);
         }
-        let mut limits = self.rays.each_ref().map(|rays| limit_eight(rays.t_max));
+        let mut limits = self.eights.each_ref().map(|eight| limit_eight(eight.rays.t_max));
+        limits[self.count / 8..].fill(f32x8::splat(f32::NEG_INFINITY));
         let mut farthest = range(limits)[1];
-        let mut walking = ALL;
+        let mut walking = u32::MAX >> (32 - self.count);
         leaves.restart();
         stack.clear();
-        stack.push(Waiting { entry: Entry::new(self.root, 0.0), rays: ALL });
+        stack.push(Waiting { entry: Entry::new(self.root, 0.0), rays: walking });
         while let Some(Waiting { entry, rays: meeting }) = stack.pop() {
             let left = meeting & walking;
             if left == 0 || !(M::ANY || entry.begins_before(farthest)) {
@@ -168,10 +194,10 @@ impl Packet {
         leaves.finish(self, tree, searches);
     }
 
-    /// The rays by eights.
+    /// Eights of rays, of which the first hold those of the packet.
     #[inline]
-    pub(super) fn rays(&self) -> &[EightRays<f32x8>; EIGHTS] {
-        &self.rays
+    pub(super) fn eights(&self) -> [&EightRays<f32x8>; EIGHTS] {
+        self.eights.each_ref().map(|eight| &eight.rays)
     }
 
     /// The longest component of all directions.
@@ -199,11 +225,11 @@ impl Packet {
         let (slots, near) = self.enter(node, farthest);
         let base = stack.len();
         let mut meeting = [0; WIDTH];
-        for (i, limits) in limits.iter().enumerate() {
-            let eight = rays >> (8 * i) & 0xff;
-            if eight != 0 {
+        for (i, (eight, limits)) in self.eights.iter().zip(limits).enumerate() {
+            let lanes = rays >> (8 * i) & 0xff;
+            if lanes != 0 {
                 for slot in lanes_of::<WIDTH>(slots) {
-                    meeting[slot] |= (self.meet(node, slot, i, *limits) & eight) << (8 * i);
+                    meeting[slot] |= (self.meet(node, slot, eight, *limits) & lanes) << (8 * i);
                 }
             }
         }
@@ -236,12 +262,12 @@ impl Packet {
         context: &mut Context,
     ) -> u32 {
         let (searches, _) = searches.as_chunks_mut::<8>();
-        for (i, searches) in searches.iter_mut().enumerate() {
+        for (i, (searches, rays)) in searches.iter_mut().zip(self.eights()).enumerate() {
             let lanes = meeting >> (8 * i) & 0xff;
             if lanes == 0 {
                 continue;
             }
-            if let Some(hits) = tree.group.other_eight(index, &reaching(&self.rays[i], searches), context) {
+            if let Some(hits) = tree.group.other_eight(index, &reaching(rays, searches), context) {
                 for lane in lanes_of::<8>(lanes & hits.lanes) {
                     searches[lane].accept::<M>(tree.group, Found::Item(index, hits.get(lane)));
                 }
@@ -279,15 +305,16 @@ mod tests {
     #[test]
     fn packets_are_narrow_in_one_octant_and_along_one_axis() {
         let group: Group = Group::of_scene(&[], &[]);
-        let packet = |way: Vec3, turn: Vec3| {
-            let rays = from_fn(|ray| Ray::new(Vec3::ZERO, (way + turn * ray as f32).normalize(), 0.0));
-            Packet::new(&group, &rays)
+        let count = |way: Vec3, turn: Vec3| {
+            let rays: [Ray; 40] =
+                from_fn(|ray| Ray::new(Vec3::ZERO, (way + turn * ray as f32).normalize(), 0.0));
+            Packet::new(&group, &rays).map_or(0, |packet| packet.count())
         };
         let way = Vec3::new(1.0, 0.5, 0.5);
-        // The last of them turns by about 1.7°, and by 17°.
-        assert!(packet(way, Vec3::Y * 0.00125).is_some());
-        assert!(packet(way, Vec3::Y * 0.0125).is_none());
-        assert!(packet(Vec3::new(1.0, -0.01, 0.5), Vec3::Y * 0.00125).is_none());
-        assert!(packet(Vec3::new(1.0, 0.99, 0.5), Vec3::Y * 0.00125).is_none());
+        // Neighbours turn by 0.04°, by 0.2° and by 0.4°.
+        assert_eq!([0.001, 0.005, 0.01].map(|turn| count(way, Vec3::Y * turn)), [32, 8, 0]);
+        // The 13th ray points to another octant, and along another axis.
+        assert_eq!(count(Vec3::new(1.0, -0.0125, 0.5), Vec3::Y * 0.001), 8);
+        assert_eq!(count(Vec3::new(1.0, 0.9875, 0.5), Vec3::Y * 0.001), 8);
     }
 }

@@ -15,13 +15,14 @@ mod hard;
 mod invariance;
 mod lights;
 mod numbers;
+mod packets;
 mod reflection;
 mod routine;
 mod solid_angle;
 mod spawn;
 mod spheres;
 mod tables;
-mod together;
+
 mod warps;
 mod watertight;
 
@@ -55,7 +56,7 @@ fn entries() -> impl Iterator<Item = Entry> {
 pub(super) fn claims() -> Vec<Claim> {
     let scenes = [
         watertight::claims(),
-        together::claims(),
+        packets::claims(),
         spawn::claims(),
         invariance::claims(),
         hard::claims(),

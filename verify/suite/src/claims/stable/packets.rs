@@ -29,7 +29,7 @@ pub(super) fn claims() -> Vec<Claim> {
         }
     };
     vec![
-        claim("stable/together", says)
+        claim("stable/packets/as-alone", says)
             .rejects("one distance of 4,096 is a rounding longer", move |run| differing(run, spoilt))
             .by(|run| differing(run, |_| ())),
     ]
