@@ -65,6 +65,10 @@ impl Packet {
     pub(super) fn new(group: &Group<impl Boxes>, rays: &[Ray]) -> Option<Self> {
         let (of_rays, _) = rays.as_chunks::<8>();
         let (first, others) = of_rays.split_first()?;
+        // Most that don't go together are told by two of them.
+        if first[0].direction.dot(first[7].direction) < NARROW {
+            return None;
+        }
         let (tree, _) = group.place(&first[0]);
         let eight = |rays| {
             let rays = EightRays::new(rays);
