@@ -179,7 +179,7 @@ pub(super) struct Candidates {
 /// Rays of a packet prepared for blocks, all with the same longest component of their directions.
 #[derive(Debug, Default)]
 pub(super) struct Probes {
-    pub(super) axes: [usize; 3],
+    axes: [usize; 3],
     origin: [f32x8; 3],
     shear: [f32x8; 2],
     scale: f32x8,
@@ -248,7 +248,7 @@ impl Probe {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::group::point;
+    use crate::sampling::warp::point;
     use crate::shapes::triangle::ShearedRay;
 
     #[test]

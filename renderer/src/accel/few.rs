@@ -111,10 +111,11 @@ mod tests {
     use glam::{DAffine3, DVec3, Vec3};
 
     use crate::accel::Object;
-    use crate::accel::group::{Context, Group, point};
+    use crate::accel::group::{Context, Group};
     use crate::accel::walk::{Any, Closest};
     use crate::math::transform::Motion;
     use crate::ray::Ray;
+    use crate::sampling::warp::point;
     use crate::shapes::{Shape, ShapeSettings};
 
     /// Shapes of every kind on top of each other, one of them twice, and one that moves a little.

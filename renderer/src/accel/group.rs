@@ -228,7 +228,7 @@ impl<N: Boxes> Group<N> {
         let mut left = rays;
         while !left.is_empty() {
             let packet = Packet::new(self, left);
-            let count = packet.as_ref().map_or(left.len().min(8), Packet::count);
+            let count = packet.as_ref().map_or(left.len().min(8), |packet| packet.count);
             let now = left.split_off(..count).unwrap_or_default();
             if let Some(packet) = packet {
                 packet.walk::<M>(&tree, now, &mut searches, &mut leaves, &mut waiting, context);
@@ -353,14 +353,6 @@ pub(super) fn are_coherent(rays: &[Ray]) -> bool {
     2 * along >= pairs.len()
 }
 
-/// A point of the unit sphere for each `n`, without an order.
-#[cfg(test)]
-pub(super) fn point(n: u32) -> Vec3 {
-    let fraction = |x: f32| x - x.floor();
-    let u = [0.754_877, 0.569_84].map(|step| fraction(n as f32 * step));
-    crate::sampling::warp::square_to_sphere(u)
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -368,6 +360,7 @@ mod tests {
     use glam::DAffine3;
 
     use super::*;
+    use crate::sampling::warp::point;
     use crate::shapes::{MeshData, ShapeSettings};
 
     #[test]

@@ -38,7 +38,7 @@ impl Leaves {
         self.is_prepared = true;
         self.is_one_origin = packet.has_one_origin();
         for (probes, rays) in self.probes.iter_mut().zip(packet.eights()) {
-            *probes = Probes::new(rays, packet.longest());
+            *probes = Probes::new(rays, packet.longest);
         }
     }
 
@@ -122,7 +122,7 @@ impl Leaves {
                 continue;
             }
             let corners = self.corners[i].map(Vec3x8::widened);
-            let hits = hit_eight(&reaching(rays, searches), packet.longest(), corners);
+            let hits = hit_eight(&reaching(rays, searches), packet.longest, corners);
             for lane in lanes_of::<8>(lanes & hits.lanes) {
                 let item = self.items[8 * i + lane];
                 searches[lane].accept::<Closest>(tree.group, Found::Item(item, hits.get(lane)));

@@ -42,14 +42,14 @@ struct Eight {
 /// Eights of rays prepared for boxes.
 #[derive(Debug)]
 pub(super) struct Packet {
-    /// How many there are; the other eights repeat the first.
-    count: usize,
+    /// How many rays there are; the eights beyond them repeat the first.
+    pub(super) count: usize,
     eights: [Eight; EIGHTS],
     /// Where they begin, and how far through its tree's span of time the first and the last of them are.
     root: Child,
     span: [f32; 2],
     /// The longest component of all directions.
-    longest: usize,
+    pub(super) longest: usize,
     /// 1 on the axes along which all rays meet the upper side first.
     upper_first: [usize; 3],
     /// Origins from which distances to the nearer and to the farther sides bound those of all rays.
@@ -113,11 +113,6 @@ impl Packet {
             eights,
             upper_first,
         })
-    }
-
-    /// How many rays there are.
-    pub(super) fn count(&self) -> usize {
-        self.count
     }
 
     /// Which boxes of a node some ray may meet before `limit` (bits), and a bound on how far away the first enters each.
@@ -202,12 +197,6 @@ impl Packet {
     #[inline]
     pub(super) fn eights(&self) -> [&EightRays<f32x8>; EIGHTS] {
         self.eights.each_ref().map(|eight| &eight.rays)
-    }
-
-    /// The longest component of all directions.
-    #[inline]
-    pub(super) fn longest(&self) -> usize {
-        self.longest
     }
 
     /// Whether all begin at one point.
@@ -312,7 +301,7 @@ mod tests {
         let count = |way: Vec3, turn: Vec3| {
             let rays: [Ray; 40] =
                 from_fn(|ray| Ray::new(Vec3::ZERO, (way + turn * ray as f32).normalize(), 0.0));
-            Packet::new(&group, &rays).map_or(0, |packet| packet.count())
+            Packet::new(&group, &rays).map_or(0, |packet| packet.count)
         };
         let way = Vec3::new(1.0, 0.5, 0.5);
         // Neighbours turn by 0.04°, by 0.2° and by 0.4°.

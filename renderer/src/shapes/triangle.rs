@@ -123,26 +123,22 @@ mod tests {
 
     use super::*;
     use crate::math::eight::Vec3x8;
-    use crate::sampling::warp::square_to_sphere;
-
-    /// A point of the unit sphere for each `n`, without an order.
-    fn point(n: usize) -> Vec3 {
-        square_to_sphere([0.754_877, 0.569_84].map(|step: f32| (n as f32 * step).fract()))
-    }
+    use crate::sampling::warp::point;
 
     #[test]
     fn eight_triangles_are_tested_as_each_alone() {
+        const LANES: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
         let (mut hits, mut misses) = (0, 0);
         for n in 0..20_000 {
-            let axis = n % 3;
-            let rays: [Ray; 8] = from_fn(|lane| {
+            let axis = n as usize % 3;
+            let rays = LANES.map(|lane| {
                 let way = Vec3::AXES[axis] * if n % 2 == 0 { 2.0 } else { -2.0 } + point(8 * n + lane);
                 let t_max = if lane == 0 { 1.0 } else { f32::INFINITY };
                 Ray { t_max, ..Ray::new(point(3 * n + lane), way.normalize(), 0.0) }
             });
             // Small ones around a point of the ray, met inside, on a vertex, an edge, from behind, edge-on, and without area.
-            let triangles: [[Vec3; 3]; 8] = from_fn(|lane| {
-                let ray = &rays[lane];
+            let triangles = LANES.map(|lane| {
+                let ray = &rays[lane as usize];
                 let [a, b] = [5, 7].map(|k| point(k * n + lane) * 0.1);
                 let at = ray.at(point(n).x * 2.0);
                 match lane {

@@ -26,3 +26,10 @@ pub use spherical_rectangle::SphericalRectangle;
 pub use spherical_triangle::SphericalTriangle;
 pub use tent::{tent_pdf, tent_to_unit, unit_to_tent};
 pub use triangle::{square_to_triangle, square_to_triangle_folded, triangle_pdf_uv, triangle_to_square};
+
+/// A point of the unit sphere for each `n`, without an order.
+#[cfg(test)]
+pub(crate) fn point(n: u32) -> glam::Vec3 {
+    let fraction = |x: f32| x - x.floor();
+    square_to_sphere([0.754_877, 0.569_84].map(|step| fraction(n as f32 * step)))
+}
