@@ -158,7 +158,7 @@ impl<N: Boxes> Group<N> {
     /// The index of the tree that a ray walks, and how far through that tree's span of time it is.
     #[inline]
     pub(super) fn place(&self, ray: &Ray) -> (usize, f32) {
-        N::place(&self.clock, ray)
+        N::place(&self.clock, ray.time)
     }
 
     /// How far through the span of time of the tree of that index eight rays are: beyond 0 and 1 where other trees are for them.
@@ -228,7 +228,7 @@ impl<N: Boxes> Group<N> {
         let mut left = rays;
         while !left.is_empty() {
             let packet = Packet::new(self, left);
-            let count = packet.as_ref().map_or(left.len().min(8), |packet| packet.count);
+            let count = packet.as_ref().map_or_else(|| self.of_one_tree(left), |packet| packet.count);
             let now = left.split_off(..count).unwrap_or_default();
             if let Some(packet) = packet {
                 packet.walk::<M>(&tree, now, &mut searches, &mut leaves, &mut waiting, context);
@@ -242,7 +242,14 @@ impl<N: Boxes> Group<N> {
         (context.stack, context.waiting) = (stack, waiting);
     }
 
-    /// Walks rays of one tree through its few leaves and calls `done` as `walk_each` does.
+    /// How many of the next eight rays walk the tree of the first, if they are in the order of trees.
+    #[inline]
+    fn of_one_tree(&self, rays: &[Ray]) -> usize {
+        let tree = |ray: &Ray| self.place(ray).0;
+        rays[1..rays.len().min(8)].partition_point(|ray| tree(ray) == tree(&rays[0])) + 1
+    }
+
+    /// Walks rays through the few leaves of their trees and calls `done` as `walk_each` does.
     #[inline]
     pub(super) fn walk_few<M: Mode>(
         &self,
@@ -251,11 +258,15 @@ impl<N: Boxes> Group<N> {
         mut done: impl FnMut(usize, &Search),
     ) {
         let Some(first) = rays.first() else { return };
-        let few = &self.few[self.place(first).0];
         let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); few::RAYS], 0..);
-        for rays in rays.chunks(few::RAYS) {
-            few.walk::<M>(&tree, rays, &mut searches, context);
-            searches[..rays.len()].iter().zip(&mut index).for_each(|(found, index)| done(index, found));
+        let mut left = rays;
+        while let Some(first) = left.first() {
+            let few = &self.few[self.place(first).0];
+            let is_along = |ray: &&Ray| self.place(ray).0 == self.place(first).0;
+            let count = left.iter().take(few::RAYS).take_while(is_along).count();
+            let now = left.split_off(..count).unwrap_or_default();
+            few.walk::<M>(&tree, now, &mut searches, context);
+            searches.iter().zip(index.by_ref().take(count)).for_each(|(found, index)| done(index, found));
         }
     }
 

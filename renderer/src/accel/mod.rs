@@ -94,6 +94,15 @@ impl Accel {
         &self.objects
     }
 
+    /// The order in which rays of these times are found fastest, as indices written over `order`.
+    pub fn order(&self, times: impl ExactSizeIterator<Item = f32> + Clone, order: &mut Vec<u32>) {
+        order.clear();
+        match &self.moving {
+            Some(moving) => moving.order(times, order),
+            None => order.extend((0..).zip(times).map(|(i, _)| i)),
+        }
+    }
+
     /// The nearest hit of each ray, written over `hits`.
     pub fn closest(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();

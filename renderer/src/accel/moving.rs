@@ -1,6 +1,5 @@
 //! Trees over moving objects whose boxes move with them.
 
-use std::ops::Range;
 use std::time::Duration;
 
 use glam::{DVec3, Vec3};
@@ -10,7 +9,7 @@ use wide::{f32x8, f32x16, f64x8};
 
 use super::collapse::{WideTree, collapse};
 use super::few::{Few, LEAVES, Leaf};
-use super::group::{BUILD, Context, Group, are_coherent, comes_before};
+use super::group::{BUILD, Context, Group, comes_before};
 use super::memory::Array;
 use super::node::{Boxes, Child, WIDTH};
 use super::object::Object;
@@ -92,57 +91,48 @@ impl MovingTrees {
 
     /// Makes each hit the first of it and those on moving objects.
     pub(super) fn closest(&self, rays: &[Ray], context: &mut Context, hits: &mut [Option<Hit>]) {
-        let reach = |i: usize| hits[i].map_or(rays[i].t_max, |hit| hit.t.next_up());
-        let (order, runs) = self.by_segment(rays, |_| true);
-        let queries: Vec<Ray> = order.iter().map(|&i| Ray { t_max: reach(i), ..rays[i] }).collect();
-        for run in runs {
-            self.group.closest(&queries[run.clone()], context, |i, found| {
-                let best = &mut hits[order[run.start + i]];
-                if let Some(hit) = found
-                    && best.is_none_or(|best| comes_before(&hit, &best))
-                {
-                    *best = found;
-                }
-            });
-        }
+        let shortened: Vec<Ray> = if hits.iter().all(Option::is_none) {
+            Vec::new()
+        } else {
+            let reach = |(ray, hit): (&Ray, &Option<Hit>)| hit.map_or(ray.t_max, |hit| hit.t.next_up());
+            rays.iter().zip(&*hits).map(|of| Ray { t_max: reach(of), ..*of.0 }).collect()
+        };
+        let rays = if shortened.is_empty() { rays } else { &shortened };
+        self.group.closest(rays, context, |i, found| {
+            let best = &mut hits[i];
+            if let Some(hit) = found
+                && best.is_none_or(|best| comes_before(&hit, &best))
+            {
+                *best = found;
+            }
+        });
     }
 
     /// Notes each ray that hits a moving object.
     pub(super) fn occluded(&self, rays: &[Ray], context: &mut Context, blocked: &mut [bool]) {
-        let (order, runs) = self.by_segment(rays, |i| !blocked[i]);
-        let queries: Vec<Ray> = order.iter().map(|&i| rays[i]).collect();
-        for run in runs {
-            self.group
-                .occluded(&queries[run.clone()], context, |i, found| blocked[order[run.start + i]] = found);
+        if !blocked.contains(&true) {
+            return self.group.occluded(rays, context, |i, found| blocked[i] = found);
         }
+        let open: Vec<usize> = (0..rays.len()).filter(|&i| !blocked[i]).collect();
+        let rays: Vec<Ray> = open.iter().map(|&i| rays[i]).collect();
+        self.group.occluded(&rays, context, |i, found| blocked[open[i]] = found);
     }
 
-    /// The indices of the rays asked for, and the runs of them to walk one after the other: where trees are small or rays go
-    /// the same way those of one segment, else all.
-    fn by_segment(&self, rays: &[Ray], is_asked: impl Fn(usize) -> bool) -> (Vec<usize>, Vec<Range<usize>>) {
-        let asked = (0..rays.len()).filter(|&i| is_asked(i));
-        let count = self.group.roots.len();
-        if count == 1 || self.group.few.is_empty() && !are_coherent(rays) {
-            let order: Vec<usize> = asked.collect();
-            let all = 0..order.len();
-            return (order, vec![all]);
-        }
-        let asked: Vec<(usize, usize)> = asked.map(|i| (i, self.group.place(&rays[i]).0)).collect();
-        let mut ends = vec![0; count];
-        asked.iter().for_each(|&(_, segment)| ends[segment] += 1);
+    /// Writes the indices of rays of these times, in the order of their segments.
+    pub(super) fn order(&self, times: impl Iterator<Item = f32> + Clone, order: &mut Vec<u32>) {
+        let segment = |time| MovingNode::place(&self.group.clock, time).0;
+        let mut ends = vec![0; self.group.roots.len()];
+        times.clone().for_each(|time| ends[segment(time)] += 1);
         let mut end = 0;
-        let runs = ends.iter_mut().map(|count| {
-            let begin = end;
-            end += std::mem::replace(count, begin);
-            begin..end
-        });
-        let runs = runs.collect();
-        let mut order = vec![0; asked.len()];
-        for (i, segment) in asked {
-            order[ends[segment]] = i;
-            ends[segment] += 1;
+        for count in &mut ends {
+            end += std::mem::replace(count, end);
         }
-        (order, runs)
+        order.resize(end, 0);
+        for (i, time) in (0..).zip(times) {
+            let place = &mut ends[segment(time)];
+            order[*place] = i;
+            *place += 1;
+        }
     }
 
     /// Number of boxes that the ray meets before `reach`: around nodes, and around leaves.
@@ -156,8 +146,8 @@ impl Boxes for MovingNode {
     type Clock = Segments;
 
     #[inline]
-    fn place(segments: &Segments, ray: &Ray) -> (usize, f32) {
-        let place = (f64::from(ray.time) - segments.open) * segments.rate;
+    fn place(segments: &Segments, time: f32) -> (usize, f32) {
+        let place = (f64::from(time) - segments.open) * segments.rate;
         #[expect(clippy::cast_possible_truncation, reason = "clamped to the segments")]
         let index = (place as i32).clamp(0, segments.last);
         #[expect(clippy::cast_possible_truncation, reason = "boxes are grown by its rounding")]

@@ -100,8 +100,8 @@ pub(super) trait Boxes: Pod + Debug + Send + Sync {
     /// What tells the times of the trees.
     type Clock: Debug;
 
-    /// The index of the tree to walk, and how far through its span of time the ray is.
-    fn place(clock: &Self::Clock, ray: &Ray) -> (usize, f32);
+    /// The index of the tree to walk, and how far through its span of time that is.
+    fn place(clock: &Self::Clock, time: f32) -> (usize, f32);
 
     /// How far through a tree's span of time rays of eight times are: beyond 0 and 1 where other trees are for them.
     fn through(clock: &Self::Clock, tree: usize, times: f32x8) -> f32x8;
@@ -140,7 +140,7 @@ impl Boxes for NodeMemory {
     type Clock = ();
 
     #[inline]
-    fn place((): &(), _: &Ray) -> (usize, f32) {
+    fn place((): &(), _: f32) -> (usize, f32) {
         (0, 0.0)
     }
 

@@ -106,6 +106,8 @@ pub struct Connection {
 pub struct Batch {
     /// The samples.
     pub samples: Vec<Sample>,
+    /// Indices of the samples, in the order in which their paths begin.
+    pub order: Vec<u32>,
     /// Paths to follow next.
     pub paths: Vec<Path>,
     /// Room for those after them.

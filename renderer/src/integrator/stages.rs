@@ -55,7 +55,8 @@ pub fn lens_points<S: Sampler>(scene: &Scene, sampler: &S, batch: &mut Batch) {
 pub fn camera_rays(scene: &Scene, batch: &mut Batch) {
     let (has_lens, meter) = (scene.camera.has_lens(), scene.meter);
     let throughput = if meter.is_some() { Rgb::splat(Meter::WEIGHT) } else { Rgb::WHITE };
-    let Batch { samples, paths, .. } = batch;
+    let Batch { samples, order, paths, .. } = batch;
+    scene.accel.order(samples.iter().map(|sample| sample.time), order);
     let start = |(sample, ray)| Path {
         sample,
         vertex: Vertex::default(),
@@ -65,7 +66,10 @@ pub fn camera_rays(scene: &Scene, batch: &mut Batch) {
         pdf: None,
         odds: 0.0,
     };
-    let all = (0..).zip(samples.iter().map(|sample| (sample, scene.film.to_image(sample.position))));
+    let all = order.iter().map(|&i| {
+        let sample = &samples[i as usize];
+        (i, (sample, scene.film.to_image(sample.position)))
+    });
     // A loop for each kind, which makes its rays where they stay.
     if let Some(meter) = meter {
         paths.extend(all.map(|(i, (s, p))| (i, meter.ray(scene, p, s.lens, s.time))).map(start));
