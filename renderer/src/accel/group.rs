@@ -245,8 +245,9 @@ impl<N: Boxes> Group<N> {
     /// How many of the next eight rays walk the tree of the first, if they are in the order of trees.
     #[inline]
     fn of_one_tree(&self, rays: &[Ray]) -> usize {
-        let tree = |ray: &Ray| self.place(ray).0;
-        rays[1..rays.len().min(8)].partition_point(|ray| tree(ray) == tree(&rays[0])) + 1
+        let rays = &rays[..rays.len().min(8)];
+        let is_along = |ray: &Ray| self.place(ray).0 == self.place(&rays[0]).0;
+        if is_along(&rays[rays.len() - 1]) { rays.len() } else { rays.partition_point(is_along).max(1) }
     }
 
     /// Walks rays through the few leaves of their trees and calls `done` as `walk_each` does.

@@ -34,7 +34,7 @@ pub(super) struct Segments {
     /// When the first begins, how many of them pass in a unit of time, and the index of the last.
     open: f64,
     rate: f64,
-    last: i32,
+    last: f64,
 }
 
 /// Up to eight moving boxes as they lie in memory, in eights: the sides as in a node at rest at the start, how far they move until
@@ -61,7 +61,7 @@ impl MovingTrees {
             clock: Segments {
                 open: shutter[0],
                 rate: f64::from(segments) / (shutter[1] - shutter[0]),
-                last: i32::try_from(roots.len() - 1).unwrap_or(i32::MAX),
+                last: roots.len() as f64 - 1.0,
             },
             roots,
             nodes: Array::new(nodes.len(), |index| nodes[index]),
@@ -118,9 +118,17 @@ impl MovingTrees {
         self.group.occluded(&rays, context, |i, found| blocked[open[i]] = found);
     }
 
-    /// Writes the indices of rays of these times, in the order of their segments.
+    /// Writes the indices of rays of these times, in the order of their segments but for rounding.
     pub(super) fn order(&self, times: impl Iterator<Item = f32> + Clone, order: &mut Vec<u32>) {
-        let segment = |time| MovingNode::place(&self.group.clock, time).0;
+        let Segments { open, rate, last } = &self.group.clock;
+        #[expect(clippy::cast_possible_truncation, reason = "the order is a matter of speed")]
+        let (open, rate, last) = (*open as f32, *rate as f32, *last as f32);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to the segments"
+        )]
+        let segment = |time: f32| ((time - open) * rate).max(0.0).min(last) as u32 as usize;
         let mut ends = vec![0; self.group.roots.len()];
         times.clone().for_each(|time| ends[segment(time)] += 1);
         let mut end = 0;
@@ -149,9 +157,9 @@ impl Boxes for MovingNode {
     fn place(segments: &Segments, time: f32) -> (usize, f32) {
         let place = (f64::from(time) - segments.open) * segments.rate;
         #[expect(clippy::cast_possible_truncation, reason = "clamped to the segments")]
-        let index = (place as i32).clamp(0, segments.last);
+        let index = place.max(0.0).min(segments.last) as i32;
         #[expect(clippy::cast_possible_truncation, reason = "boxes are grown by its rounding")]
-        let through = (place - f64::from(index)).clamp(0.0, 1.0) as f32;
+        let through = (place - f64::from(index)).max(0.0).min(1.0) as f32;
         #[expect(clippy::cast_sign_loss, reason = "not below 0")]
         let index = index as usize;
         (index, through)
@@ -197,7 +205,7 @@ impl Boxes for MovingNode {
 
 impl MovingBounds {
     fn new(pair: &Pair) -> Self {
-        let [start, end] = pair.each_ref().map(padded);
+        let [start, end] = padded(pair);
         Self { sides: start, change: [end[0] - start[0], end[1] - start[1]] }
     }
 }
@@ -275,13 +283,16 @@ fn moving_node(list: &[(Pair, Child)]) -> MovingNode {
     bytemuck::cast(memory)
 }
 
-/// The box in f32, grown for the rounding of hits on its contents (2⁻²¹ of its size, as for boxes at rest) and of the
-/// interpolation: with |side| ≤ m at both ends, its change, the product, the sum and the place in time round within
-/// 2⁻²⁴ of 2m each, below 2⁻²⁰·m.
-fn padded(bounds: &Bounds) -> [Vec3; 2] {
-    let size = (bounds.max - bounds.min).max_element();
-    let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
-    bounds.grown(DVec3::splat(size * 2f64.powi(-21) + largest * 2f64.powi(-20))).to_f32_outward()
+/// The boxes in f32, grown for the rounding of hits on their contents (2⁻²¹ of their size, as for boxes at rest) and of the
+/// interpolation: a side that changes by c rounds its change and the place in time within 2⁻²⁴·c and 2⁻²⁵·c, and with
+/// |side| ≤ m at both ends the sum within 2⁻²⁴·m. Larger boxes would hold the rays that leave what is in them.
+fn padded(pair: &Pair) -> [[Vec3; 2]; 2] {
+    let [start, end] = pair;
+    let size = (start.max - start.min).max_element().max((end.max - end.min).max_element());
+    let change = (end.min - start.min).abs().max((end.max - start.max).abs());
+    let largest = start.min.abs().max(start.max.abs()).max(end.min.abs()).max(end.max.abs());
+    let margin = DVec3::splat(size * 2f64.powi(-21)) + (2.0 * change + 1.125 * largest) * 2f64.powi(-24);
+    pair.each_ref().map(|bounds| bounds.grown(margin).to_f32_outward())
 }
 
 fn aabb(bounds: &Bounds) -> Aabb {

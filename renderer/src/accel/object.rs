@@ -153,36 +153,33 @@ fn back(offset: DVec3, ray: &Ray) -> Ray {
     Ray { origin: (ray.origin.as_dvec3() - offset).as_vec3(), ..*ray }
 }
 
-/// Moves a point of a surface, as [`moved`] does.
+/// Half a unit in the last place of a number in units of the number, with 2⁻³³ for what f64 and the bound itself round.
+const HALF_ULP: f32 = 0.5 * f32::EPSILON * 1.002;
+
+/// Shifts a point of a surface, with the error bound that `moved` derives: the f64 sum rounds sizes up to that of the point before and after.
 #[inline]
 fn shift(surface: &mut SurfacePoint, offset: DVec3) {
-    let own = surface.point.as_dvec3();
-    place(surface, own + offset, own.abs() + offset.abs(), |error| error);
+    let own = surface.point;
+    surface.point = (own.as_dvec3() + offset).as_vec3();
+    let sizes = own.abs() + surface.point.abs();
+    surface.error = (surface.error + sizes * HALF_ULP) * (1.0 + f32::EPSILON);
 }
 
-/// Puts a point of a surface to `to`, with the error bound that holds for rays traced in the shape's own space.
-///
-/// * `scale`: sizes that the map rounds; * `magnitudes`: how far an error in the shape's space reaches.
-#[inline]
-fn place(surface: &mut SurfacePoint, to: DVec3, scale: DVec3, magnitudes: impl Fn(DVec3) -> DVec3) {
-    let point = to.as_vec3();
-    // A ray that starts here is rounded to f32 in the shape's space, by half a unit in the last place of each coordinate,
-    // on top of the surface's own error; this point is rounded too, and the f64 map rounds sizes like `scale`.
-    let half_ulp = f64::from(0.5 * f32::EPSILON);
-    let own_error = surface.error.as_dvec3() + surface.point.as_dvec3().abs() * (half_ulp * 1.001);
-    let error = magnitudes(own_error) + point.as_dvec3().abs() * half_ulp + scale * (32.0 * f64::EPSILON);
-    (surface.point, surface.error) = (point, error.as_vec3() * (1.0 + f32::EPSILON));
-}
-
-/// The image of a point of a surface.
+/// The image of a point of a surface, with the error bound that holds for rays traced in the shape's own space.
 fn moved(surface: &SurfacePoint, Pose { map, inverse }: &Pose) -> SurfacePoint {
     let m = map.matrix3;
     let normal_map = inverse.transpose();
     let turn = |n: Vec3| (normal_map * n.as_dvec3()).normalize().as_vec3();
     let own = surface.point.as_dvec3();
+    let point = map.transform_point3(own).as_vec3();
+    // How far an error in the shape's space reaches, and sizes that the map rounds.
     let magnitudes = glam::DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     let scale: DVec3 = magnitudes * own.abs() + map.translation.abs();
-    let mut image = SurfacePoint { ng: turn(surface.ng), n: turn(surface.n), ..*surface };
-    place(&mut image, map.transform_point3(own), scale, |error| magnitudes * error);
-    image
+    // A ray that starts here is rounded to f32 in the shape's space, by half a unit in the last place of each coordinate,
+    // on top of the surface's own error; this point is rounded too, and the f64 map rounds sizes like `scale`.
+    let half_ulp = f64::from(0.5 * f32::EPSILON);
+    let own_error = surface.error.as_dvec3() + own.abs() * (half_ulp * 1.001);
+    let error = magnitudes * own_error + point.as_dvec3().abs() * half_ulp + scale * (32.0 * f64::EPSILON);
+    let error = error.as_vec3() * (1.0 + f32::EPSILON);
+    SurfacePoint { point, error, ng: turn(surface.ng), n: turn(surface.n), ..*surface }
 }

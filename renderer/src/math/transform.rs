@@ -131,8 +131,11 @@ impl Motion {
     /// The translation at `time`, if the map never does anything else: as `at`, from a few numbers.
     #[inline]
     pub fn offset(&self, time: f64) -> Option<DVec3> {
-        let begun = self.ways.iter().rev().find(|way| way.start <= time);
-        begun.or(self.ways.first()).map(|way| way.from.lerp(way.to, way.done(time)))
+        let (mut way, others) = self.ways.split_first()?;
+        for other in others.iter().take_while(|other| other.start <= time) {
+            way = other;
+        }
+        Some(way.from.lerp(way.to, way.done(time)))
     }
 
     /// `offset` of eight times, bit for bit.
