@@ -217,17 +217,12 @@ impl Packet {
         let node = tree.node(node);
         let (slots, near) = self.enter(node, farthest);
         let base = stack.len();
-        let mut meeting = [0; WIDTH];
-        for (i, (eight, limits)) in self.eights.iter().zip(limits).enumerate() {
-            let lanes = rays >> (8 * i) & 0xff;
-            if lanes != 0 {
-                for slot in lanes_of::<WIDTH>(slots) {
-                    meeting[slot] |= (self.meet(node, slot, eight, *limits) & lanes) << (8 * i);
-                }
-            }
-        }
         for slot in lanes_of::<WIDTH>(slots) {
-            let rays = meeting[slot];
+            let mut meeting = 0;
+            for (i, (eight, limits)) in self.eights[..self.count / 8].iter().zip(limits).enumerate() {
+                meeting |= self.meet(node, slot, eight, *limits) << (8 * i);
+            }
+            let rays = meeting & rays;
             if rays == 0 {
                 continue;
             }
