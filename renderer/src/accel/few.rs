@@ -2,7 +2,7 @@
 
 use wide::f32x8;
 
-use super::group::{Context, Group};
+use super::group::Context;
 use super::node::{Boxes, inverses, lanes_of, limit_eight, met};
 use super::walk::{Found, Mode, Search, Tree};
 use crate::ray::{EightRays, Ray};
@@ -27,17 +27,18 @@ pub(super) struct Leaf {
 pub(super) struct Few<N: Boxes>(pub(super) Vec<(N::Bounds, Leaf)>);
 
 impl<N: Boxes> Few<N> {
-    /// Walks one to eight rays, and puts what they find into `searches`. Each visits the leaves that hold what it hits, as it does
+    /// Walks one to eight rays, `through` of the tree's span of time, and puts what they find into `searches`. Each visits the leaves that hold what it hits, as it does
     /// alone, so it finds the same.
     #[inline]
     pub(super) fn walk<M: Mode>(
         &self,
         tree: &Tree<N>,
         rays: &[Ray],
+        through: f32x8,
         searches: &mut [Search; RAYS],
         context: &mut Context,
     ) {
-        let mut lanes = Lanes::new(tree.group, rays);
+        let mut lanes = Lanes::new(rays, through);
         for (search, ray) in searches.iter_mut().zip(rays) {
             search.restart(ray);
         }
@@ -87,11 +88,7 @@ struct Lanes {
 impl Lanes {
     /// Up to eight rays; what the other lanes hold doesn't matter.
     #[inline]
-    fn new(group: &Group<impl Boxes>, rays: &[Ray]) -> Self {
-        let mut through = f32x8::ZERO;
-        for (lane, ray) in through.as_mut_array().iter_mut().zip(rays) {
-            *lane = group.place(ray).1;
-        }
+    fn new(rays: &[Ray], through: f32x8) -> Self {
         let rays = EightRays::new(rays);
         Self { rays: rays.widened(), origin: rays.origin.0, inverse: inverses(rays.direction).0, through }
     }

@@ -79,21 +79,6 @@ impl<'a> Context<'a> {
         let (stack, inner_stack, waiting) = Default::default();
         Self { objects, inner, stack, inner_stack, waiting }
     }
-
-    /// The hit of a moving object.
-    pub(super) fn object(&mut self, index: u32, ray: &Ray) -> Option<Hit> {
-        let object = &self.objects[index as usize];
-        let ray = object.to_object(ray);
-        match &self.inner[index as usize] {
-            Some(inner) => inner.closest_of(&ray, self),
-            None => object.shape.intersect(0, &ray).map(|hit| Hit {
-                t: hit.t,
-                object: index,
-                element: 0,
-                uv: hit.uv,
-            }),
-        }
-    }
 }
 
 impl Group {
@@ -185,7 +170,7 @@ impl<N: Boxes> Group<N> {
         let tree = self.tree();
         let mut stack = std::mem::take(&mut context.inner_stack);
         stack.resize(self.stack, Entry::default());
-        let search = walk::<Closest>(&tree, ray, &mut stack, context);
+        let search = walk::<Closest>(&tree, ray, self.start(ray), &mut stack, context);
         context.inner_stack = stack;
         search.hit(self)
     }
@@ -228,26 +213,36 @@ impl<N: Boxes> Group<N> {
         let mut left = rays;
         while !left.is_empty() {
             let packet = Packet::new(self, left);
-            let count = packet.as_ref().map_or_else(|| self.of_one_tree(left), |packet| packet.count);
-            let now = left.split_off(..count).unwrap_or_default();
             if let Some(packet) = packet {
+                let now = left.split_off(..packet.count).unwrap_or_default();
                 packet.walk::<M>(&tree, now, &mut searches, &mut leaves, &mut waiting, context);
-                searches.iter().zip(index.by_ref().take(count)).for_each(|(found, index)| done(index, found));
+                searches
+                    .iter()
+                    .zip(index.by_ref().take(now.len()))
+                    .for_each(|(found, index)| done(index, found));
                 continue;
             }
-            for (ray, index) in now.iter().zip(&mut index) {
-                done(index, &walk::<M>(&tree, ray, &mut stack, context));
+            let (of_rays, count, through) = self.of_one_tree(left);
+            let now = left.split_off(..count).unwrap_or_default();
+            for ((ray, through), index) in now.iter().zip(through.to_array()).zip(&mut index) {
+                let start = (self.roots[of_rays], through);
+                done(index, &walk::<M>(&tree, ray, start, &mut stack, context));
             }
         }
         (context.stack, context.waiting) = (stack, waiting);
     }
 
-    /// How many of the next eight rays walk the tree of the first, if they are in the order of trees.
+    /// The index of the tree that the first of up to eight rays walks, how many, from it on, walk the same, and how far through its
+    /// span of time each is.
     #[inline]
-    fn of_one_tree(&self, rays: &[Ray]) -> usize {
-        let rays = &rays[..rays.len().min(8)];
-        let is_along = |ray: &Ray| self.place(ray).0 == self.place(&rays[0]).0;
-        if is_along(&rays[rays.len() - 1]) { rays.len() } else { rays.partition_point(is_along).max(1) }
+    fn of_one_tree(&self, rays: &[Ray]) -> (usize, usize, f32x8) {
+        let (tree, _) = self.place(&rays[0]);
+        let mut times = f32x8::ZERO;
+        times.as_mut_array().iter_mut().zip(rays).for_each(|(time, ray)| *time = ray.time);
+        let through = self.through(tree, times);
+        let is_along = through.simd_ge(f32x8::ZERO) & through.simd_le(f32x8::ONE);
+        let count = (is_along.to_bitmask() | 1).trailing_ones() as usize;
+        (tree, count.min(rays.len()), through.fast_max(f32x8::ZERO).fast_min(f32x8::ONE))
     }
 
     /// Walks rays through the few leaves of their trees and calls `done` as `walk_each` does.
@@ -261,12 +256,10 @@ impl<N: Boxes> Group<N> {
         let Some(first) = rays.first() else { return };
         let (tree, mut searches, mut index) = (self.tree(), [Search::new(first); few::RAYS], 0..);
         let mut left = rays;
-        while let Some(first) = left.first() {
-            let few = &self.few[self.place(first).0];
-            let is_along = |ray: &&Ray| self.place(ray).0 == self.place(first).0;
-            let count = left.iter().take(few::RAYS).take_while(is_along).count();
+        while !left.is_empty() {
+            let (of_rays, count, through) = self.of_one_tree(left);
             let now = left.split_off(..count).unwrap_or_default();
-            few.walk::<M>(&tree, now, &mut searches, context);
+            self.few[of_rays].walk::<M>(&tree, now, through, &mut searches, context);
             searches.iter().zip(index.by_ref().take(count)).for_each(|(found, index)| done(index, found));
         }
     }
@@ -329,10 +322,14 @@ impl<N: Boxes> Group<N> {
     pub(super) fn other(&self, index: usize, ray: &Ray, context: &mut Context) -> Option<Found> {
         let [id, element] = self.ids.as_slice()[index];
         let object = &context.objects[id as usize];
-        if object.motion.is_some() && !self.is_inner {
-            return context.object(id, ray).map(Found::Named);
+        if object.motion.is_none() || self.is_inner {
+            return object.shape.intersect(element, ray).map(|hit| Found::Item(index, hit));
         }
-        object.shape.intersect(element, ray).map(|hit| Found::Item(index, hit))
+        let own = object.to_object(ray);
+        match &context.inner[id as usize] {
+            Some(inner) => inner.closest_of(&own, context).map(Found::Named),
+            None => object.shape.intersect(element, &own).map(|hit| Found::Item(index, hit)),
+        }
     }
 
     /// The hits of eight rays on an item that isn't a triangle, if it can be tested against them at once.

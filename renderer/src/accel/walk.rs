@@ -273,16 +273,16 @@ impl Search {
     }
 }
 
-/// Walks one ray all the way.
+/// Walks one ray all the way, from the root of its tree on, that far through the tree's span of time.
 #[inline]
 pub(super) fn walk<M: Mode>(
     tree: &Tree<impl Boxes>,
     ray: &Ray,
+    (root, through): (Child, f32),
     stack: &mut [Entry],
     context: &mut Context,
 ) -> Search {
     let mut search = Search::new(ray);
-    let (root, through) = tree.group.start(ray);
     let slab = Slab::new(ray, through);
     let mut pending = Pending { stack, bottom: 0, top: 0 };
     let mut next = root;
