@@ -16,6 +16,7 @@ use super::object::Object;
 use crate::math::bounds::Bounds;
 use crate::math::eight::{rounded, widened};
 use crate::ray::{Hit, Ray};
+use crate::shapes::Shape;
 
 /// A box at the start and one at the end of a segment of the shutter; in between it is interpolated.
 type Pair = [Bounds; 2];
@@ -52,9 +53,14 @@ impl MovingTrees {
     /// The trees over the objects listed, with the shutter cut into `segments`.
     pub(super) fn new(objects: &[Object], listed: &[u32], shutter: [f64; 2], segments: u32) -> Self {
         let mut forest = Forest::default();
+        let far =
+            farthest(&objects.iter().fold(Bounds::EMPTY, |all, object| all.union(&object.bounds(shutter))));
         for span in cuts(shutter, segments).windows(2) {
-            let pairs = listed.iter().map(|&o| pair(&objects[o as usize], [span[0], span[1]]));
-            forest.plant(&pairs.collect::<Vec<_>>());
+            let grown = |&o: &u32| {
+                let object = &objects[o as usize];
+                pair(object, [span[0], span[1]]).map(|bounds| bounds.grown(rounding(object, shutter, far)))
+            };
+            forest.plant(&listed.iter().map(grown).collect::<Vec<_>>());
         }
         let Forest { roots, nodes, few, order, depth, area } = forest;
         let group = Group {
@@ -283,16 +289,43 @@ fn moving_node(list: &[(Pair, Child)]) -> MovingNode {
     bytemuck::cast(memory)
 }
 
-/// The boxes in f32, grown for the rounding of hits on their contents (2⁻²¹ of their size, as for boxes at rest) and of the
-/// interpolation: a side that changes by c rounds its change and the place in time within 2⁻²⁴·c and 2⁻²⁵·c, and with
-/// |side| ≤ m at both ends the sum within 2⁻²⁴·m. Larger boxes would hold the rays that leave what is in them.
+/// The boxes in f32, grown for what their interpolation rounds: the change of a side, its share by a place in time that is itself
+/// rounded (2⁻²⁵ at most), and the sum. Larger boxes would be met by the rays that leave what is in them.
 fn padded(pair: &Pair) -> [[Vec3; 2]; 2] {
     let [start, end] = pair;
-    let size = (start.max - start.min).max_element().max((end.max - end.min).max_element());
     let change = (end.min - start.min).abs().max((end.max - start.max).abs());
-    let largest = start.min.abs().max(start.max.abs()).max(end.min.abs()).max(end.max.abs());
-    let margin = DVec3::splat(size * 2f64.powi(-21)) + (2.0 * change + 1.125 * largest) * 2f64.powi(-24);
+    let largest = farthest(start).max(farthest(end));
+    let margin = half_ulp(change) + change * 2f64.powi(-25) + half_ulp(largest);
     pair.each_ref().map(|bounds| bounds.grown(margin).to_f32_outward())
+}
+
+/// By how much a ray may pass an object's own box and yet hit the object: since it is rounded to f32 in the object's space, where
+/// it begins if the object only shifts, else both ways and its direction (16 half units are enough for stretches by up to 4 besides), and by
+/// the rounding of hits on triangles (2⁻²¹ of the size, as for boxes at rest).
+///
+/// * `far`: how far from the origin of the render frame rays begin along each axis.
+fn rounding(object: &Object, shutter: [f64; 2], far: DVec3) -> DVec3 {
+    let (own, swept) = (object.shape.bounds(), object.bounds(shutter));
+    let shifts = object.motion.as_ref().is_some_and(|motion| motion.offset(shutter[0]).is_some());
+    let of_rays = if shifts {
+        half_ulp(far + (swept.min - own.min).abs().max((swept.max - own.max).abs()))
+    } else {
+        DVec3::splat(16.0 * half_ulp(far).max_element())
+    };
+    let is_mesh = matches!(object.shape, Shape::Mesh(_));
+    of_rays + if is_mesh { (swept.max - swept.min).max_element() * 2f64.powi(-21) } else { 0.0 }
+}
+
+/// The largest coordinate along each axis.
+fn farthest(bounds: &Bounds) -> DVec3 {
+    bounds.min.abs().max(bounds.max.abs())
+}
+
+/// Half a unit in the last place of f32 numbers up to this size and a little more.
+fn half_ulp(size: DVec3) -> DVec3 {
+    #[expect(clippy::cast_possible_truncation, reason = "the unit of the number it is rounded to")]
+    let largest = (size * (1.0 + 2f64.powi(-20))).as_vec3();
+    largest.map(|x| 0.5 * (x.next_up() - x)).as_dvec3()
 }
 
 fn aabb(bounds: &Bounds) -> Aabb {
