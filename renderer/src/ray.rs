@@ -1,6 +1,6 @@
 //! Rank 2: rays and the records of their hits.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use wide::{f32x8, f64x8};
 
 use crate::math::eight::Eight;
@@ -25,9 +25,35 @@ impl Ray {
         Self { origin, direction, t_max: f32::INFINITY, time }
     }
 
+    /// The same ray in f64.
+    #[inline]
+    pub fn widened(&self) -> Ray64 {
+        Ray64 { origin: self.origin.as_dvec3(), direction: self.direction.as_dvec3(), t_max: self.t_max }
+    }
+
     /// The point at distance `t`.
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
+    }
+}
+
+/// A ray in f64, in which shapes are tested against it: in the space of an object that moves no f32 holds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray64 {
+    /// Where it starts.
+    pub origin: DVec3,
+    /// Its direction, of any length.
+    pub direction: DVec3,
+    /// Hits are looked for in (0, `t_max`).
+    pub t_max: f32,
+}
+
+impl Ray64 {
+    /// The nearest ray in f32.
+    #[inline]
+    pub fn rounded(&self, time: f32) -> Ray {
+        let Self { origin, direction, t_max } = self;
+        Ray { origin: origin.as_vec3(), direction: direction.as_vec3(), t_max: *t_max, time }
     }
 }
 

@@ -216,7 +216,7 @@ fn every_element(objects: &[Object], ray: &Ray) -> Option<f32> {
     let mut query = *ray;
     for object in objects {
         for element in 0..object.shape.element_count() {
-            if let Some(hit) = object.shape.intersect(element, &object.to_object(&query)) {
+            if let Some(hit) = object.intersect(element, &query) {
                 query.t_max = hit.t;
             }
         }
@@ -255,8 +255,7 @@ proptest! {
     ) {
         let (surface, _) = object.sample_area(u, time);
         prop_assume!(surface.ng.dot(w) != 0.0);
-        let ray = object.to_object(&surface.spawn(w, time));
-        prop_assert_eq!(object.shape.intersect(0, &ray), None);
+        prop_assert_eq!(object.intersect(0, &surface.spawn(w, time)), None);
     }
 
     #[test]

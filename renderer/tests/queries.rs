@@ -106,7 +106,7 @@ fn every_element(objects: &[Object], ray: &Ray) -> Option<(f32, u32, u32)> {
     for (index, object) in (0..).zip(objects) {
         for element in 0..object.shape.element_count() {
             // later ones at the same distance don't count
-            if let Some(hit) = object.shape.intersect(element, &object.to_object(&query)) {
+            if let Some(hit) = object.intersect(element, &query) {
                 query.t_max = hit.t;
                 first = Some((hit.t, index, element));
             }

@@ -80,8 +80,7 @@ fn one_surface(rng: &mut Pcg64) -> Option<(Shape, bool)> {
 /// x sees a normal that is tilted by up to x/r, so directions within that of the tangent plane are not judged, and the
 /// chord is shorter by up to 2x / cos θ.
 fn comes_back(object: &Object, at: &SurfacePoint, wi: Vec3, time: f32) -> bool {
-    let ray = object.to_object(&at.spawn(wi, time));
-    let Some(hit) = object.shape.intersect(0, &ray) else { return false };
+    let Some(hit) = object.intersect(0, &at.spawn(wi, time)) else { return false };
     let (radius, flipped) = match &object.shape {
         // Out of a cube it meets nothing more, and through one another face.
         Shape::Cube(c) => {

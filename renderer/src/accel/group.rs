@@ -325,10 +325,11 @@ impl<N: Boxes> Group<N> {
         if object.motion.is_none() || self.is_inner {
             return object.shape.intersect(element, ray).map(|hit| Found::Item(index, hit));
         }
-        let own = object.to_object(ray);
         match &context.inner[id as usize] {
-            Some(inner) => inner.closest_of(&own, context).map(Found::Named),
-            None => object.shape.intersect(element, &own).map(|hit| Found::Item(index, hit)),
+            Some(inner) => {
+                inner.closest_of(&object.to_object(ray).rounded(ray.time), context).map(Found::Named)
+            }
+            None => object.intersect(element, ray).map(|hit| Found::Item(index, hit)),
         }
     }
 

@@ -7,6 +7,7 @@ mod group;
 mod leaves;
 mod memory;
 mod moving;
+mod moving_node;
 mod node;
 mod object;
 mod packet;

@@ -2,24 +2,21 @@
 
 use std::time::Duration;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
-use wide::{f32x8, f32x16, f64x8};
+use wide::f32x16;
 
 use super::collapse::{WideTree, collapse};
 use super::few::{Few, LEAVES, Leaf};
 use super::group::{BUILD, Context, Group, comes_before};
 use super::memory::Array;
-use super::node::{Boxes, Child, WIDTH};
+use super::moving_node::{MovingBounds, MovingNode, Pair, Segments, farthest, half_ulp, moving_node};
+use super::node::Child;
 use super::object::Object;
 use crate::math::bounds::Bounds;
-use crate::math::eight::{rounded, widened};
 use crate::ray::{Hit, Ray};
 use crate::shapes::Shape;
-
-/// A box at the start and one at the end of a segment of the shutter; in between it is interpolated.
-type Pair = [Bounds; 2];
 
 /// Trees over moving objects, one for each of a number of equal segments of the shutter.
 #[derive(Debug)]
@@ -27,26 +24,6 @@ pub(super) struct MovingTrees {
     group: Group<MovingNode>,
     /// Half the surface areas of all boxes, averaged over the shutter: what a random ray meets is proportional to it.
     area: f64,
-}
-
-/// Equal segments of the shutter.
-#[derive(Debug)]
-pub(super) struct Segments {
-    /// When the first begins, how many of them pass in a unit of time, and the index of the last.
-    open: f64,
-    rate: f64,
-    last: f64,
-}
-
-/// Up to eight moving boxes as they lie in memory, in eights: the sides as in a node at rest at the start, how far they move until
-/// the end, the children's bits, and nothing.
-type MovingNode = [f32x16; 7];
-
-/// A moving box: its lower and upper sides at the start, and how far they move until the end.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MovingBounds {
-    sides: [Vec3; 2],
-    change: [Vec3; 2],
 }
 
 impl MovingTrees {
@@ -155,67 +132,6 @@ impl MovingTrees {
     }
 }
 
-impl Boxes for MovingNode {
-    type Bounds = MovingBounds;
-    type Clock = Segments;
-
-    #[inline]
-    fn place(segments: &Segments, time: f32) -> (usize, f32) {
-        let place = (f64::from(time) - segments.open) * segments.rate;
-        #[expect(clippy::cast_possible_truncation, reason = "clamped to the segments")]
-        let index = place.max(0.0).min(segments.last) as i32;
-        #[expect(clippy::cast_possible_truncation, reason = "boxes are grown by its rounding")]
-        let through = (place - f64::from(index)).max(0.0).min(1.0) as f32;
-        #[expect(clippy::cast_sign_loss, reason = "not below 0")]
-        let index = index as usize;
-        (index, through)
-    }
-
-    #[inline]
-    fn through(segments: &Segments, tree: usize, times: f32x8) -> f32x8 {
-        let place = (widened(times) - f64x8::splat(segments.open)) * f64x8::splat(segments.rate);
-        rounded(place - f64x8::splat(tree as f64))
-    }
-
-    #[inline]
-    fn child(&self, slot: usize) -> Child {
-        let eights: &[[u32; WIDTH]; 14] = bytemuck::cast_ref(self);
-        Child::from_bits(u64::from(eights[12][slot]))
-    }
-
-    #[inline]
-    fn sides(&self, axis: usize, which: usize, through: f32) -> f32x8 {
-        let eights: &[f32x8; 14] = bytemuck::cast_ref(self);
-        eights[6 + 2 * axis + which].mul_add(f32x8::splat(through), eights[2 * axis + which])
-    }
-
-    #[inline]
-    fn farthest_sides(&self, axis: usize, which: usize, through: [f32; 2]) -> f32x8 {
-        let [first, last] = through.map(|through| self.sides(axis, which, through));
-        if which == 0 { first.fast_min(last) } else { first.fast_max(last) }
-    }
-
-    #[inline]
-    fn side(&self, slot: usize, axis: usize, which: usize, through: f32x8) -> f32x8 {
-        let eights: &[[f32; WIDTH]; 14] = bytemuck::cast_ref(self);
-        let [side, change] = [0, 6].map(|first| f32x8::splat(eights[first + 2 * axis + which][slot]));
-        change.mul_add(through, side)
-    }
-
-    #[inline]
-    fn side_of(bounds: &MovingBounds, axis: usize, which: usize, through: f32x8) -> f32x8 {
-        let [side, change] = [bounds.sides, bounds.change].map(|sides| f32x8::splat(sides[which][axis]));
-        change.mul_add(through, side)
-    }
-}
-
-impl MovingBounds {
-    fn new(pair: &Pair) -> Self {
-        let [start, end] = padded(pair);
-        Self { sides: start, change: [end[0] - start[0], end[1] - start[1]] }
-    }
-}
-
 /// Trees of several segments, one after the other.
 #[derive(Debug, Default)]
 struct Forest {
@@ -267,65 +183,20 @@ impl Forest {
     }
 }
 
-/// The node over children with their boxes, at most eight of them.
-fn moving_node(list: &[(Pair, Child)]) -> MovingNode {
-    // As in `Node::new`.
-    let (mut sides, mut change) = ([[[f32::INFINITY; WIDTH]; 2]; 3], [[[0.0; WIDTH]; 2]; 3]);
-    let mut children = [Child::NONE; WIDTH];
-    for (slot, (pair, child)) in list.iter().enumerate() {
-        let bounds = MovingBounds::new(pair);
-        for axis in 0..3 {
-            for side in 0..2 {
-                sides[axis][side][slot] = bounds.sides[side][axis];
-                change[axis][side][slot] = bounds.change[side][axis];
-            }
-        }
-        children[slot] = *child;
-    }
-    let mut memory = [[0.0; WIDTH]; 14];
-    memory[..6].copy_from_slice(sides.as_flattened());
-    memory[6..12].copy_from_slice(change.as_flattened());
-    memory[12] = children.map(|child| f32::from_bits(child.bits()));
-    bytemuck::cast(memory)
-}
-
-/// The boxes in f32, grown for what their interpolation rounds: the change of a side, its share by a place in time that is itself
-/// rounded (2⁻²⁵ at most), and the sum. Larger boxes would be met by the rays that leave what is in them.
-fn padded(pair: &Pair) -> [[Vec3; 2]; 2] {
-    let [start, end] = pair;
-    let change = (end.min - start.min).abs().max((end.max - start.max).abs());
-    let largest = farthest(start).max(farthest(end));
-    let margin = half_ulp(change) + change * 2f64.powi(-25) + half_ulp(largest);
-    pair.each_ref().map(|bounds| bounds.grown(margin).to_f32_outward())
-}
-
-/// By how much a ray may pass an object's own box and yet hit the object: since it is rounded to f32 in the object's space, where
-/// it begins if the object only shifts, else both ways and its direction (16 half units are enough for stretches by up to 4 besides), and by
-/// the rounding of hits on triangles (2⁻²¹ of the size, as for boxes at rest).
+/// By how much a ray may pass an object's own box and yet hit the object. In the object's space it is rounded to f64, and to f32 for
+/// triangles: where it begins if the object only shifts, else both ways and its direction (16 half units are enough for stretches by up
+/// to 4 besides). Hits on triangles are rounded, too (2⁻²¹ of the size, as for boxes at rest).
 ///
 /// * `far`: how far from the origin of the render frame rays begin along each axis.
 fn rounding(object: &Object, shutter: [f64; 2], far: DVec3) -> DVec3 {
     let (own, swept) = (object.shape.bounds(), object.bounds(shutter));
+    let far = far + (swept.min - own.min).abs().max((swept.max - own.max).abs());
+    if !matches!(object.shape, Shape::Mesh(_)) {
+        return DVec3::splat(far.max_element() * 2f64.powi(-44));
+    }
     let shifts = object.motion.as_ref().is_some_and(|motion| motion.offset(shutter[0]).is_some());
-    let of_rays = if shifts {
-        half_ulp(far + (swept.min - own.min).abs().max((swept.max - own.max).abs()))
-    } else {
-        DVec3::splat(16.0 * half_ulp(far).max_element())
-    };
-    let is_mesh = matches!(object.shape, Shape::Mesh(_));
-    of_rays + if is_mesh { (swept.max - swept.min).max_element() * 2f64.powi(-21) } else { 0.0 }
-}
-
-/// The largest coordinate along each axis.
-fn farthest(bounds: &Bounds) -> DVec3 {
-    bounds.min.abs().max(bounds.max.abs())
-}
-
-/// Half a unit in the last place of f32 numbers up to this size and a little more.
-fn half_ulp(size: DVec3) -> DVec3 {
-    #[expect(clippy::cast_possible_truncation, reason = "the unit of the number it is rounded to")]
-    let largest = (size * (1.0 + 2f64.powi(-20))).as_vec3();
-    largest.map(|x| 0.5 * (x.next_up() - x)).as_dvec3()
+    let of_rays = if shifts { half_ulp(far) } else { DVec3::splat(16.0 * half_ulp(far).max_element()) };
+    of_rays + (swept.max - swept.min).max_element() * 2f64.powi(-21)
 }
 
 fn aabb(bounds: &Bounds) -> Aabb {
@@ -378,4 +249,35 @@ fn mean_half_area([a, b]: &Pair) -> f64 {
 fn half_area(bounds: &Bounds) -> f64 {
     let size = bounds.max - bounds.min;
     size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::accel::node::Boxes;
+    use crate::math::transform::Motion;
+    use crate::sampling::warp::point;
+    use crate::shapes::ShapeSettings;
+
+    fn time(n: u32) -> f32 {
+        point(4 * n + 3).x.abs()
+    }
+
+    #[test]
+    fn rays_are_put_in_the_order_of_segments_and_else_stay_in_theirs() {
+        let shift = |n: u32| {
+            let at = |k: u32| DAffine3::from_translation(20.0 * point(2 * n + k).as_dvec3());
+            let shape = Shape::new(&ShapeSettings::Cube, &DAffine3::IDENTITY, false).unwrap();
+            Object::moving(shape, Motion::keyed(vec![(0.0, at(0)), (1.0, at(1))]).unwrap())
+        };
+        let objects: Vec<Object> = (0..5).map(shift).collect();
+        let trees = MovingTrees::new(&objects, &[0, 1, 2, 3, 4], [0.0, 1.0], 4);
+        let (mut order, mut sorted) = (Vec::new(), (0..1000).collect::<Vec<u32>>());
+        trees.order((0..1000).map(time), &mut order);
+        sorted.sort_by_key(|&n| MovingNode::place(&trees.group.clock, time(n)).0);
+        assert_eq!(order, sorted);
+        assert_ne!(order, (0..1000).collect::<Vec<_>>());
+    }
 }

@@ -6,7 +6,7 @@ use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::math::eight::widened;
 use crate::math::transform::{Motion, Pose};
-use crate::ray::{EightRays, Ray};
+use crate::ray::{EightRays, Ray, Ray64};
 use crate::shapes::{EightHits, Shape, ShapeHit};
 
 /// A shape at rest or in motion.
@@ -37,9 +37,9 @@ impl Object {
 
     /// A ray of the render frame in the shape's space. Distances along it stay what they are, so its direction isn't
     /// unit under a scale.
-    pub fn to_object(&self, ray: &Ray) -> Ray {
+    pub fn to_object(&self, ray: &Ray) -> Ray64 {
         match &self.motion {
-            None => *ray,
+            None => ray.widened(),
             Some(motion) => match motion.offset(f64::from(ray.time)) {
                 Some(offset) => back(offset, ray),
                 None => to_own(&motion.pose(f64::from(ray.time)), ray),
@@ -47,12 +47,18 @@ impl Object {
         }
     }
 
+    /// The nearest hit of a ray of the render frame on an element.
+    #[inline]
+    pub fn intersect(&self, element: u32, ray: &Ray) -> Option<ShapeHit> {
+        self.shape.intersect_f64(element, &self.to_object(ray))
+    }
+
     /// The hits of eight rays of the render frame, if they can be found at once: by a motion that only shifts, of shapes that can.
     #[inline]
     pub fn intersect_eight(&self, rays: &EightRays) -> Option<EightHits> {
         let Some(motion) = &self.motion else { return self.shape.intersect_eight(rays) };
         let offset = motion.offset_eight(widened(rays.time))?;
-        self.shape.intersect_eight(&EightRays { origin: (rays.origin - offset).rounded().widened(), ..*rays })
+        self.shape.intersect_eight(&EightRays { origin: rays.origin - offset, ..*rays })
     }
 
     /// Whether it hides the end of a segment that leaves it, where that is known before the other objects are looked at.
@@ -65,7 +71,7 @@ impl Object {
     #[inline]
     pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray, surface: &mut SurfacePoint) {
         match &self.motion {
-            None => self.shape.put_surface(element, hit, ray, surface),
+            None => self.shape.put_surface(element, hit, &ray.widened(), surface),
             Some(motion) => {
                 let time = f64::from(ray.time);
                 if let Some(offset) = motion.offset(time) {
@@ -73,7 +79,8 @@ impl Object {
                     shift(surface, offset);
                 } else {
                     let pose = motion.pose(time);
-                    *surface = moved(&self.shape.surface(element, hit, &to_own(&pose, ray)), &pose);
+                    self.shape.put_surface(element, hit, &to_own(&pose, ray), surface);
+                    *surface = moved(surface, &pose);
                 }
             }
         }
@@ -81,7 +88,9 @@ impl Object {
 
     /// ∂p/∂u in the render frame at a hit of `ray`, up to a factor; zero where there is none.
     pub fn tangent(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> Vec3 {
-        let own = self.shape.tangent(element, &self.shape.surface(element, hit, &self.to_object(ray)));
+        let mut surface = SurfacePoint::default();
+        self.shape.put_surface(element, hit, &self.to_object(ray), &mut surface);
+        let own = self.shape.tangent(element, &surface);
         let map = self.motion.as_ref().map(|motion| motion.at(f64::from(ray.time)).matrix3);
         map.map_or(own, |m| m * own).normalize_or_zero().as_vec3()
     }
@@ -139,18 +148,20 @@ impl Object {
 }
 
 /// A ray in the space that `pose` maps to the render frame.
-fn to_own(pose: &Pose, ray: &Ray) -> Ray {
-    Ray {
-        origin: (pose.inverse * (ray.origin.as_dvec3() - pose.map.translation)).as_vec3(),
-        direction: (pose.inverse * ray.direction.as_dvec3()).as_vec3(),
-        ..*ray
+fn to_own(pose: &Pose, ray: &Ray) -> Ray64 {
+    let Ray64 { origin, direction, t_max } = ray.widened();
+    Ray64 {
+        origin: pose.inverse * (origin - pose.map.translation),
+        direction: pose.inverse * direction,
+        t_max,
     }
 }
 
 /// A ray in the space that `offset` shifts to the render frame.
 #[inline]
-fn back(offset: DVec3, ray: &Ray) -> Ray {
-    Ray { origin: (ray.origin.as_dvec3() - offset).as_vec3(), ..*ray }
+fn back(offset: DVec3, ray: &Ray) -> Ray64 {
+    let ray = ray.widened();
+    Ray64 { origin: ray.origin - offset, ..ray }
 }
 
 /// Half a unit in the last place of a number in units of the number, with 2⁻³³ for what f64 and the bound itself round.
@@ -175,7 +186,7 @@ fn moved(surface: &SurfacePoint, Pose { map, inverse }: &Pose) -> SurfacePoint {
     // How far an error in the shape's space reaches, and sizes that the map rounds.
     let magnitudes = glam::DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     let scale: DVec3 = magnitudes * own.abs() + map.translation.abs();
-    // A ray that starts here is rounded to f32 in the shape's space, by half a unit in the last place of each coordinate,
+    // A ray that starts here is rounded to f32 in a mesh's space, by half a unit in the last place of each coordinate,
     // on top of the surface's own error; this point is rounded too, and the f64 map rounds sizes like `scale`.
     let half_ulp = f64::from(0.5 * f32::EPSILON);
     let own_error = surface.error.as_dvec3() + own.abs() * (half_ulp * 1.001);

@@ -143,14 +143,16 @@ impl<S: Sampler> LightPaths<'_, S> {
     /// Puts in the paths' first edges; a sample's radiance is what its path begins with.
     fn begin(&self, batch: &mut Batch) {
         let Self { scene, emission, sampler } = self;
-        let Batch { samples, paths, draws, .. } = batch;
+        let Batch { samples, order, paths, draws, .. } = batch;
         draws.choices(*sampler, Decision::LightChoice, emission.needs_choice());
         draws.points(*sampler, Decision::LightPoint, true);
         let mut directions = Vec::new();
         sampler.draw_2d_each(&draws.places, Decision::Direction, &mut directions);
-        let drawn = draws.choices.iter().zip(draws.points.iter().zip(&directions));
-        for ((index, sample), (&u_light, (&u_point, &u))) in (0..).zip(samples).zip(drawn) {
-            let start = emission.sample(&scene.accel, u_light, [u_point, u], sample.time);
+        scene.accel.order(samples.iter().map(|sample| sample.time), order);
+        for &index in &*order {
+            let i = index as usize;
+            let (sample, u) = (&mut samples[i], [draws.points[i], directions[i]]);
+            let start = emission.sample(&scene.accel, draws.choices[i], u, sample.time);
             let Some(start) = start else { continue };
             sample.radiance = start.power;
             paths.push(Path {

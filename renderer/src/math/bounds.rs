@@ -56,8 +56,12 @@ impl Bounds {
 
     /// The coordinates rounded outwards to f32: `[min, max]`.
     pub fn to_f32_outward(&self) -> [Vec3; 2] {
-        // `as_vec3` rounds to nearest, so one step outwards covers the rounding.
-        [self.min.as_vec3().map(f32::next_down), self.max.as_vec3().map(f32::next_up)]
+        // `as_vec3` rounds to nearest: where that is inwards, one step outwards makes up for it.
+        let [min, max] = [self.min, self.max].map(|side| side.as_vec3());
+        [
+            Vec3::select(min.as_dvec3().cmpgt(self.min), min.map(f32::next_down), min),
+            Vec3::select(max.as_dvec3().cmplt(self.max), max.map(f32::next_up), max),
+        ]
     }
 }
 
@@ -72,7 +76,11 @@ mod tests {
         assert!(b.contains(DVec3::new(0.5, -1.0, 3.0)));
         assert!(!Bounds::EMPTY.contains(DVec3::ZERO));
         assert_eq!(Bounds::EMPTY.union(&b), b);
-        let [low, high] = b.to_f32_outward();
-        assert!(low.as_dvec3().cmplt(b.min).all() && high.as_dvec3().cmpgt(b.max).all());
+        for b in [b, Bounds { min: b.min - 0.1, max: b.max + 0.1 }] {
+            let [low, high] = b.to_f32_outward();
+            assert!(low.as_dvec3().cmple(b.min).all() && high.as_dvec3().cmpge(b.max).all());
+            let [low, high] = [low.map(f32::next_up), high.map(f32::next_down)].map(|side| side.as_dvec3());
+            assert!(low.cmpgt(b.min).all() && high.cmplt(b.max).all(), "no farther than needed");
+        }
     }
 }

@@ -12,7 +12,7 @@ use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::math::eight::{self, Eight};
 use crate::math::float::round_f32;
-use crate::ray::{EightRays, Ray};
+use crate::ray::{EightRays, Ray64};
 
 /// Of each face the outward normal, the axis along which u grows and the one along which v grows, as in Mitsuba's `cube`.
 const FACES: [[[f32; 3]; 3]; 6] = [
@@ -144,12 +144,12 @@ impl Cube {
     }
 
     #[inline]
-    fn crossings_of(&self, ray: &Ray) -> [[f64; 2]; 3] {
-        let [o, d] = [ray.origin, ray.direction].map(|v| Eight(v.as_dvec3().to_array()));
+    fn crossings_of(&self, ray: &Ray64) -> [[f64; 2]; 3] {
+        let [o, d] = [ray.origin, ray.direction].map(|v| Eight(v.to_array()));
         self.crossings(o, d)
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray64) -> Option<ShapeHit> {
         let [enter, leave] = Self::span(self.crossings_of(ray));
         // The face in front, or from inside the one behind.
         let t = accept(enter, f32::INFINITY).map_or(leave, |_| enter);
@@ -170,17 +170,17 @@ impl Cube {
 
     /// Texture coordinates run over [0, 1]² on each face.
     #[inline]
-    pub(super) fn surface(&self, ray: &Ray) -> SurfacePoint {
+    pub(super) fn surface(&self, ray: &Ray64) -> SurfacePoint {
         let crossings = self.crossings_of(ray);
         let span = Self::span(crossings);
         let is_front = accept(span[0], f32::INFINITY).is_some();
         let end = usize::from(!is_front);
         let axis = (0..3).find(|&k| crossings[k][end] == span[end]).unwrap_or(0);
-        let direction = ray.direction.as_dvec3();
+        let direction = ray.direction;
         // It enters by the lower plane, or leaves by the upper one, where it goes up.
         let goes_up = self.slabs[axis].normal.dot(direction) > 0.0;
         let face = &self.faces[ACROSS[axis][usize::from(goes_up != is_front)]];
-        let place = face.place(ray.origin.as_dvec3() + direction * span[end]);
+        let place = face.place(ray.origin + direction * span[end]);
         face.surface_at(place, place.map(|x| round_f32(0.5 * (x + 1.0))))
     }
 

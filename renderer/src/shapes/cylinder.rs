@@ -7,7 +7,7 @@ use super::{ShapeHit, accept, check_point, check_radius, rounded_curved, turn, u
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::ray::Ray;
+use crate::ray::Ray64;
 
 /// The lateral surface of a cylinder, without caps; its normals point outward.
 #[derive(Debug, Clone)]
@@ -81,9 +81,9 @@ impl Cylinder {
     }
 
     /// The distances at which a ray meets the lateral surface between the ends.
-    fn distances(&self, ray: &Ray) -> [Option<f64>; 2] {
-        let (f, height) = self.split(ray.origin.as_dvec3() - self.base);
-        let (d, rise) = self.split(ray.direction.as_dvec3());
+    fn distances(&self, ray: &Ray64) -> [Option<f64>; 2] {
+        let (f, height) = self.split(ray.origin - self.base);
+        let (d, rise) = self.split(ray.direction);
         let (a, b) = (d.length_squared(), -f.dot(d));
         let remainder = (f + d * (b / a)).length_squared();
         match roots(a, b, f.length_squared(), remainder, self.radius) {
@@ -95,21 +95,20 @@ impl Cylinder {
     }
 
     /// The distance at which a ray first meets it.
-    fn met(&self, ray: &Ray) -> Option<f64> {
+    fn met(&self, ray: &Ray64) -> Option<f64> {
         self.distances(ray).into_iter().flatten().find(|t| *t > 0.0)
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray64) -> Option<ShapeHit> {
         Some(ShapeHit { t: accept(self.met(ray)?, ray.t_max)?, uv: [0.0; 2] })
     }
 
     /// Solves again, because the f32 distance is coarser than the surface, and from far away coarser than the cylinder: it does not
     /// tell which side was met.
     #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+    pub(super) fn surface(&self, ray: &Ray64, t: f32) -> SurfacePoint {
         let exact = self.met(ray).unwrap_or(f64::from(t));
-        let (across, height) =
-            self.split(ray.origin.as_dvec3() + ray.direction.as_dvec3() * exact - self.base);
+        let (across, height) = self.split(ray.origin + ray.direction * exact - self.base);
         self.point_at(across.normalize(), height)
     }
 

@@ -7,7 +7,7 @@ use super::{EightHits, ShapeHit, turn};
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::math::eight;
-use crate::ray::{EightRays, Ray};
+use crate::ray::{EightRays, Ray64};
 
 /// The image of the unit disk in the plane z = 0; its normal is that of +z.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ impl Disk {
         Bounds::of([p.center]).grown(reach.map(|r| r.sqrt() * (1.0 + f64::EPSILON)))
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray64) -> Option<ShapeHit> {
         let (t, [x, y]) = self.plane.cross(ray)?;
         if x * x + y * y > 1.0 {
             return None;

@@ -7,7 +7,7 @@ use super::{SMALLEST_SOLID_ANGLE, ShapeHit, rounded};
 use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
-use crate::ray::Ray;
+use crate::ray::Ray64;
 use crate::sampling::warp::SphericalTriangle;
 
 /// A mesh as files hold it.
@@ -88,8 +88,8 @@ impl Mesh {
         Bounds::of(self.vertices(triangle).map(|p| p.as_dvec3()))
     }
 
-    pub(super) fn intersect(&self, triangle: u32, ray: &Ray) -> Option<ShapeHit> {
-        ShearedRay::new(ray).hit(&self.vertices(triangle), ray.t_max)
+    pub(super) fn intersect(&self, triangle: u32, ray: &Ray64) -> Option<ShapeHit> {
+        ShearedRay::new(&ray.rounded(0.0)).hit(&self.vertices(triangle), ray.t_max)
     }
 
     /// The point of a triangle with weights `v` and `w` of its second and third vertex.

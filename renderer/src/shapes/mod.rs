@@ -30,7 +30,7 @@ use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::math::transform::check_affine;
-use crate::ray::{EightRays, Ray};
+use crate::ray::{EightRays, Ray, Ray64};
 
 /// A shape before it is placed, with Mitsuba's canonical forms.
 #[derive(Debug, Clone)]
@@ -180,8 +180,14 @@ impl Shape {
         (0..self.element_count()).fold(Bounds::EMPTY, |b, e| b.union(&self.element_bounds(e)))
     }
 
-    /// The nearest hit of an element with t in (0, `t_max`). The ray's direction may have any length.
+    /// The nearest hit of an element with t in (0, `t_max`).
+    #[inline]
     pub fn intersect(&self, element: u32, ray: &Ray) -> Option<ShapeHit> {
+        self.intersect_f64(element, &ray.widened())
+    }
+
+    /// The same for a ray that no f32 holds; triangles see the nearest one that does.
+    pub fn intersect_f64(&self, element: u32, ray: &Ray64) -> Option<ShapeHit> {
         match self {
             Self::Sphere(s) => s.intersect(ray),
             Self::Rectangle(r) => r.intersect(ray),
@@ -215,13 +221,13 @@ impl Shape {
     /// The surface at a hit that `intersect` found with the same ray.
     pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
         let mut surface = SurfacePoint::default();
-        self.put_surface(element, hit, ray, &mut surface);
+        self.put_surface(element, hit, &ray.widened(), &mut surface);
         surface
     }
 
     /// Writes the surface at a hit to where it stays: a copy would wait for what has just been written.
     #[inline]
-    pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray, surface: &mut SurfacePoint) {
+    pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray64, surface: &mut SurfacePoint) {
         match self {
             Self::Sphere(s) => *surface = s.surface(ray, hit.t),
             Self::Rectangle(r) => *surface = r.surface(hit.uv),

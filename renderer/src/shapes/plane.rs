@@ -6,7 +6,7 @@ use wide::{f32x8, f64x8};
 use super::{accept, accept_eight, rounded, rounded_eight};
 use crate::interaction::{EightPoints, SurfacePoint};
 use crate::math::eight::{self, DVec3x8, Vec3x8};
-use crate::ray::{EightRays, Ray};
+use crate::ray::{EightRays, Ray64};
 
 /// The image of the plane z = 0 under an affine map: points center + x·a + y·b.
 #[derive(Debug, Clone)]
@@ -63,8 +63,8 @@ impl Plane {
 
     /// Distance and coordinates of the point where a ray crosses the plane, with a distance in (0, `t_max`).
     #[inline]
-    pub(super) fn cross(&self, ray: &Ray) -> Option<(f32, [f64; 2])> {
-        let (o, d) = (ray.origin.as_dvec3() - self.center, ray.direction.as_dvec3());
+    pub(super) fn cross(&self, ray: &Ray64) -> Option<(f32, [f64; 2])> {
+        let (o, d) = (ray.origin - self.center, ray.direction);
         let (height, slope) = (self.cross.dot(o), self.cross.dot(d));
         // Away from it, or along it: many rays have just left the plane, and pay no quotient.
         if (height > 0.0) == (slope > 0.0) || slope == 0.0 {

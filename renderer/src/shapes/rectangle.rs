@@ -8,7 +8,7 @@ use super::{EightHits, SMALLEST_SOLID_ANGLE, ShapeHit};
 use crate::interaction::{EightPoints, SurfacePoint};
 use crate::math::bounds::Bounds;
 use crate::math::eight;
-use crate::ray::{EightRays, Ray};
+use crate::ray::{EightRays, Ray64};
 use crate::sampling::warp::SphericalRectangle;
 
 /// The image of [−1, 1]² in the plane z = 0; its normal is that of +z.
@@ -27,7 +27,7 @@ impl Rectangle {
         Bounds::of([p.center]).grown(p.a.abs() + p.b.abs())
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray64) -> Option<ShapeHit> {
         let (t, [x, y]) = self.plane.cross(ray)?;
         if x.abs() > 1.0 || y.abs() > 1.0 {
             return None;

@@ -14,7 +14,7 @@ use crate::ParamError;
 use crate::interaction::SurfacePoint;
 use crate::math::bounds::Bounds;
 use crate::math::eight::DVec3x8;
-use crate::ray::{EightRays, Ray};
+use crate::ray::{EightRays, Ray64};
 
 /// A sphere; its normals point outward.
 #[derive(Debug, Clone)]
@@ -71,9 +71,9 @@ impl Sphere {
     }
 
     /// The distance at which a ray first meets the sphere; not above 0 if that is behind it.
-    fn met(&self, ray: &Ray) -> Option<f64> {
-        let d = ray.direction.as_dvec3();
-        let f = ray.origin.as_dvec3() - self.center;
+    fn met(&self, ray: &Ray64) -> Option<f64> {
+        let d = ray.direction;
+        let f = ray.origin - self.center;
         let (b, ff) = (-f.dot(d), f.length_squared());
         // Outside and on the way outwards, like the rays that have just left the sphere.
         if b < 0.0 && ff > self.radius * self.radius {
@@ -84,7 +84,7 @@ impl Sphere {
         Some(if near > 0.0 { near } else { far })
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray64) -> Option<ShapeHit> {
         Some(ShapeHit { t: accept(self.met(ray)?, ray.t_max)?, uv: [0.0; 2] })
     }
 
@@ -104,9 +104,9 @@ impl Sphere {
     /// Solves again, because the f32 distance is coarser than the surface, and from far away coarser than the sphere: it does not
     /// tell which side was met.
     #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+    pub(super) fn surface(&self, ray: &Ray64, t: f32) -> SurfacePoint {
         let exact = self.met(ray).unwrap_or(f64::from(t));
-        let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * exact;
+        let p = ray.origin + ray.direction * exact;
         self.point_towards((p - self.center).normalize())
     }
 
