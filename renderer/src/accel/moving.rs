@@ -29,15 +29,14 @@ pub(super) struct MovingTrees {
 impl MovingTrees {
     /// The trees over the objects listed, with the shutter cut into `segments`.
     pub(super) fn new(objects: &[Object], listed: &[u32], shutter: [f64; 2], segments: u32) -> Self {
-        let mut forest = Forest::default();
         let far =
             farthest(&objects.iter().fold(Bounds::EMPTY, |all, object| all.union(&object.bounds(shutter))));
+        let listed_objects = || listed.iter().map(|&o| &objects[o as usize]);
+        let margins: Vec<DVec3> = listed_objects().map(|object| rounding(object, shutter, far)).collect();
+        let mut forest = Forest::default();
         for span in cuts(shutter, segments).windows(2) {
-            let grown = |&o: &u32| {
-                let object = &objects[o as usize];
-                pair(object, [span[0], span[1]]).map(|bounds| bounds.grown(rounding(object, shutter, far)))
-            };
-            forest.plant(&listed.iter().map(grown).collect::<Vec<_>>());
+            let pairs = listed_objects().map(|object| pair(object, [span[0], span[1]])).zip(&margins);
+            forest.plant(&pairs.map(|(pair, margin)| pair.map(|b| b.grown(*margin))).collect::<Vec<_>>());
         }
         let Forest { roots, nodes, few, order, depth, area } = forest;
         let group = Group {
