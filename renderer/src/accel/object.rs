@@ -71,15 +71,15 @@ impl Object {
     #[inline]
     pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray, surface: &mut SurfacePoint) {
         match &self.motion {
-            None => self.shape.put_surface(element, hit, || ray.widened(), surface),
+            None => self.shape.put_surface(element, hit, &ray.widened(), surface),
             Some(motion) => {
                 let time = f64::from(ray.time);
                 if let Some(offset) = motion.offset(time) {
-                    self.shape.put_surface(element, hit, || back(offset, ray), surface);
+                    self.shape.put_surface(element, hit, &back(offset, ray), surface);
                     shift(surface, offset);
                 } else {
                     let pose = motion.pose(time);
-                    self.shape.put_surface(element, hit, || to_own(&pose, ray), surface);
+                    self.shape.put_surface(element, hit, &to_own(&pose, ray), surface);
                     *surface = moved(surface, &pose);
                 }
             }
@@ -89,7 +89,7 @@ impl Object {
     /// ∂p/∂u in the render frame at a hit of `ray`, up to a factor; zero where there is none.
     pub fn tangent(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> Vec3 {
         let mut surface = SurfacePoint::default();
-        self.shape.put_surface(element, hit, || self.to_object(ray), &mut surface);
+        self.shape.put_surface(element, hit, &self.to_object(ray), &mut surface);
         let own = self.shape.tangent(element, &surface);
         let map = self.motion.as_ref().map(|motion| motion.at(f64::from(ray.time)).matrix3);
         map.map_or(own, |m| m * own).normalize_or_zero().as_vec3()

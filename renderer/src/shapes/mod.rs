@@ -221,25 +221,19 @@ impl Shape {
     /// The surface at a hit that `intersect` found with the same ray.
     pub fn surface(&self, element: u32, hit: &ShapeHit, ray: &Ray) -> SurfacePoint {
         let mut surface = SurfacePoint::default();
-        self.put_surface(element, hit, || ray.widened(), &mut surface);
+        self.put_surface(element, hit, &ray.widened(), &mut surface);
         surface
     }
 
-    /// Writes the surface at a hit to where it stays: a copy would wait for what has just been written. Not every shape asks for the ray.
+    /// Writes the surface at a hit to where it stays: a copy would wait for what has just been written.
     #[inline]
-    pub fn put_surface(
-        &self,
-        element: u32,
-        hit: &ShapeHit,
-        ray: impl FnOnce() -> Ray64,
-        surface: &mut SurfacePoint,
-    ) {
+    pub fn put_surface(&self, element: u32, hit: &ShapeHit, ray: &Ray64, surface: &mut SurfacePoint) {
         match self {
-            Self::Sphere(s) => *surface = s.surface(&ray(), hit.t),
+            Self::Sphere(s) => *surface = s.surface(ray, hit.t),
             Self::Rectangle(r) => *surface = r.surface(hit.uv),
             Self::Disk(d) => *surface = d.surface(hit.uv),
-            Self::Cylinder(c) => *surface = c.surface(&ray(), hit.t),
-            Self::Cube(c) => *surface = c.surface(&ray()),
+            Self::Cylinder(c) => *surface = c.surface(ray, hit.t),
+            Self::Cube(c) => *surface = c.surface(ray),
             Self::Mesh(m) => *surface = m.surface(element, hit.uv),
         }
     }
