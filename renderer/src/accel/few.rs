@@ -27,8 +27,8 @@ pub(super) struct Leaf {
 pub(super) struct Few<N: Boxes>(pub(super) Vec<(N::Bounds, Leaf)>);
 
 impl<N: Boxes> Few<N> {
-    /// Walks one to eight rays, `through` of the tree's span of time, and puts what they find into `searches`. Each visits the leaves that hold what it hits, as it does
-    /// alone, so it finds the same.
+    /// Walks one to eight rays, so far `through` the tree's span of time, and puts what they find into `searches`. Each visits the leaves
+    /// that hold what it hits, as it does alone, so it finds the same.
     #[inline]
     pub(super) fn walk<M: Mode>(
         &self,
