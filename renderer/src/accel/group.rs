@@ -212,8 +212,7 @@ impl<N: Boxes> Group<N> {
         let (tree, mut index) = (self.tree(), 0..);
         let mut left = rays;
         while !left.is_empty() {
-            let packet = Packet::new(self, left);
-            if let Some(packet) = packet {
+            if let Some(packet) = Packet::new(self, left) {
                 let now = left.split_off(..packet.count).unwrap_or_default();
                 packet.walk::<M>(&tree, now, &mut searches, &mut leaves, &mut waiting, context);
                 searches

@@ -29,14 +29,23 @@ pub(super) struct MovingTrees {
 impl MovingTrees {
     /// The trees over the objects listed, with the shutter cut into `segments`.
     pub(super) fn new(objects: &[Object], listed: &[u32], shutter: [f64; 2], segments: u32) -> Self {
-        let far =
-            farthest(&objects.iter().fold(Bounds::EMPTY, |all, object| all.union(&object.bounds(shutter))));
-        let listed_objects = || listed.iter().map(|&o| &objects[o as usize]);
-        let margins: Vec<DVec3> = listed_objects().map(|object| rounding(object, shutter, far)).collect();
+        Self::with(objects, listed, &roundings(objects, listed, shutter), shutter, segments)
+    }
+
+    /// The same with the `roundings` of the objects listed.
+    fn with(
+        objects: &[Object],
+        listed: &[u32],
+        roundings: &[DVec3],
+        shutter: [f64; 2],
+        segments: u32,
+    ) -> Self {
         let mut forest = Forest::default();
         for span in cuts(shutter, segments).windows(2) {
-            let pairs = listed_objects().map(|object| pair(object, [span[0], span[1]])).zip(&margins);
-            forest.plant(&pairs.map(|(pair, margin)| pair.map(|b| b.grown(*margin))).collect::<Vec<_>>());
+            let grown = |(&o, margin): (&u32, &DVec3)| {
+                pair(&objects[o as usize], [span[0], span[1]]).map(|bounds| bounds.grown(*margin))
+            };
+            forest.plant(&listed.iter().zip(roundings).map(grown).collect::<Vec<_>>());
         }
         let Forest { roots, nodes, few, order, depth, area } = forest;
         let group = Group {
@@ -58,10 +67,11 @@ impl MovingTrees {
 
     /// The trees with the fewest segments, a power of two, of which twice as many would not help much.
     pub(super) fn chosen(objects: &[Object], listed: &[u32], shutter: [f64; 2]) -> Self {
-        let mut best = Self::new(objects, listed, shutter, 1);
+        let roundings = roundings(objects, listed, shutter);
+        let mut best = Self::with(objects, listed, &roundings, shutter, 1);
         let mut count = 2;
         while count <= MOST_SEGMENTS {
-            let next = Self::new(objects, listed, shutter, count);
+            let next = Self::with(objects, listed, &roundings, shutter, count);
             if next.area * SEGMENT_GAIN > best.area {
                 break;
             }
@@ -180,6 +190,12 @@ impl Forest {
         let around = |end: usize| list.iter().fold(Bounds::EMPTY, |all, (pair, _)| all.union(&pair[end]));
         [around(0), around(1)]
     }
+}
+
+/// The `rounding` of each of the objects listed; rays begin on any of the objects.
+fn roundings(objects: &[Object], listed: &[u32], shutter: [f64; 2]) -> Vec<DVec3> {
+    let far = farthest(&objects.iter().fold(Bounds::EMPTY, |all, object| all.union(&object.bounds(shutter))));
+    listed.iter().map(|&o| rounding(&objects[o as usize], shutter, far)).collect()
 }
 
 /// By how much a ray may pass an object's own box and yet hit the object. In the object's space it is rounded to f64, and to f32 for

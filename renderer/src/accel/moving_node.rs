@@ -113,14 +113,17 @@ pub(super) fn moving_node(list: &[(Pair, Child)]) -> MovingNode {
     bytemuck::cast(memory)
 }
 
-/// The boxes in f32, grown for what their interpolation rounds: the change of a side, its share by a place in time that is itself
-/// rounded (2⁻²⁵ at most), and the sum. Larger boxes would be met by the rays that leave what is in them.
+/// The boxes in f32, grown for what their interpolation rounds. Larger boxes would be met by the rays that leave what is in them.
 fn padded(pair: &Pair) -> [[Vec3; 2]; 2] {
-    let [start, end] = pair;
+    pair.each_ref().map(|bounds| bounds.grown(margin(pair)).to_f32_outward())
+}
+
+/// What the interpolation of sides may round: their change, its share by a place in time that is itself rounded (2⁻²⁵ at most), and the
+/// sum.
+fn margin([start, end]: &Pair) -> DVec3 {
     let change = (end.min - start.min).abs().max((end.max - start.max).abs());
     let largest = farthest(start).max(farthest(end));
-    let margin = half_ulp(change) + change * 2f64.powi(-25) + half_ulp(largest);
-    pair.each_ref().map(|bounds| bounds.grown(margin).to_f32_outward())
+    half_ulp(change) + change * 2f64.powi(-25) + half_ulp(largest)
 }
 
 /// The largest coordinate along each axis.
@@ -156,14 +159,12 @@ mod tests {
         // How far outside, in units of what rounding may take away.
         let (mut least, mut most) = (f64::INFINITY, 0.0f64);
         for n in 0..100_000 {
-            let [start, end] = boxes(n);
-            let moving = MovingBounds::new(&[start, end]);
+            let pair = boxes(n);
+            let [start, end] = &pair;
+            let (moving, margin) = (MovingBounds::new(&pair), margin(&pair));
             let (segment, through) = MovingNode::place(&clock, time(n));
             let share = 4.0 * f64::from(time(n)) - segment as f64;
             let exact = [start.min.lerp(end.min, share), start.max.lerp(end.max, share)];
-            let change = (end.min - start.min).abs();
-            let margin =
-                half_ulp(change) + change * 2f64.powi(-25) + half_ulp(farthest(&start).max(farthest(&end)));
             for (which, outward) in [-1.0, 1.0].into_iter().enumerate() {
                 for axis in 0..3 {
                     let side = MovingNode::side_of(&moving, axis, which, f32x8::splat(through)).as_array()[0];

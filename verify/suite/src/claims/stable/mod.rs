@@ -22,7 +22,6 @@ mod solid_angle;
 mod spawn;
 mod spheres;
 mod tables;
-
 mod warps;
 mod watertight;
 
