@@ -1,53 +1,99 @@
 //! Leaves of up to eight items, and the test that passes over most triangles eight at a time.
 
 use glam::Vec3;
-use wide::{f32x8, f32x16};
+use smallvec::SmallVec;
+use wide::{f32x8, f32x16, u32x8};
 
 use super::node::{SLACK, WIDTH, limit};
+use crate::math::eight::permuted;
 use crate::ray::{EightRays, Ray};
 
-/// A block as it lies in memory: coordinates by vertex and axis, NaN in lanes that are empty or of another item, and its `Summary`.
-pub(super) type BlockMemory = [f32x16; 5];
+/// A block as it lies in memory, in two lines of the cache: x, y and z of up to eight vertices, and a word for each triangle. Its lower
+/// half tells which vertices are the triangle's, in three bits each; the upper halves together are the `Summary`.
+pub(super) type BlockMemory = [f32x16; 2];
 
-/// What is known of a block as a whole, as it lies in memory.
+/// What is known of a block as a whole.
 #[derive(Debug, Clone, Copy)]
 struct Summary {
-    /// Largest magnitude of a coordinate.
+    /// Largest magnitude of a coordinate, rounded up to eight bits.
     extent: f32,
-    /// Largest side of a triangle's bounding box.
+    /// Largest side of a triangle's bounding box, rounded up to eight bits.
     size: f32,
     /// Index of the first item.
     first: u32,
-    /// Lanes that are taken, as bits.
+    /// Lanes that hold triangles, as bits; none if the block is another item's.
     lanes: u32,
-    /// Whether it holds triangles, and not another item.
-    has_triangles: bool,
 }
 
-/// The block of `items`, numbered from `first`, at most eight; `None` for what isn't a triangle.
+/// The vertices of a leaf's triangles, each once.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Vertices(SmallVec<[Vec3; WIDTH]>);
+
+impl Vertices {
+    /// The index of a vertex that is equal to `vertex` in every bit, added if there is none.
+    #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "leaves have few vertices")]
+    fn index(&mut self, vertex: Vec3) -> u32 {
+        let bits = |v: &Vec3| v.to_array().map(f32::to_bits);
+        let index = self.0.iter().position(|v| bits(v) == bits(&vertex));
+        index.unwrap_or_else(|| {
+            self.0.push(vertex);
+            self.0.len() - 1
+        }) as u32
+    }
+
+    /// Those of a triangle.
+    pub(super) fn of(corners: [Vec3; 3]) -> Self {
+        let mut vertices = Self::default();
+        for corner in corners {
+            vertices.index(corner);
+        }
+        vertices
+    }
+
+    /// Those of both; `None` if a leaf has no room for them.
+    pub(super) fn union(mut self, other: &Self) -> Option<Self> {
+        for vertex in &other.0 {
+            if self.index(*vertex) as usize == WIDTH {
+                return None;
+            }
+        }
+        Some(self)
+    }
+}
+
+/// The block of `items`, numbered from `first`, at most eight with at most eight vertices; `None` for what isn't a triangle.
 pub(super) fn block(items: &[Option<[Vec3; 3]>], first: u32) -> BlockMemory {
-    let mut memory = [[f32::NAN; WIDTH]; 10];
-    let (mut extent, mut size) = (0.0f32, 0.0f32);
+    let mut vertices = Vertices::default();
+    let (mut extent, mut size, mut lanes) = (0.0f32, 0.0f32, 0);
+    let mut words = [0; WIDTH];
     for (lane, triangle) in items.iter().enumerate() {
         let Some(corners) = triangle else { continue };
-        for (vertex, corner) in corners.iter().enumerate() {
-            for axis in 0..3 {
-                memory[3 * vertex + axis][lane] = corner[axis];
-            }
+        for (corner, bits) in corners.iter().zip([0, 3, 6]) {
+            words[lane] |= vertices.index(*corner) << bits;
             extent = extent.max(corner.abs().max_element());
         }
         let [a, b, c] = corners;
         size = size.max((a.max(*b).max(*c) - a.min(*b).min(*c)).max_element());
+        lanes |= 1 << lane;
     }
-    let has_triangles = u32::from(items.iter().any(Option::is_some));
-    let summary = [extent.to_bits(), size.to_bits(), first, (1 << items.len()) - 1, has_triangles, 0, 0, 0];
-    memory[9] = summary.map(f32::from_bits);
+    // The upper half of a number that isn't negative, rounded up.
+    let upper = |x: f32| (x.to_bits() + 0xffff) >> 16;
+    let summary = [upper(extent), upper(size), first & 0xffff, first >> 16, lanes];
+    for (word, half) in words.iter_mut().zip(summary) {
+        *word |= half << 16;
+    }
+    let mut memory = [[0.0; WIDTH]; 4];
+    for (slot, vertex) in vertices.0.iter().enumerate() {
+        (0..3).for_each(|axis| memory[axis][slot] = vertex[axis]);
+    }
+    memory[3] = words.map(f32::from_bits);
     bytemuck::cast(memory)
 }
 
 /// Up to eight triangles in memory, or another item.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct BlockRef<'a>(&'a [f32x8; 10]);
+pub(super) struct BlockRef<'a>(&'a [f32x8; 4]);
 
 impl<'a> BlockRef<'a> {
     #[inline]
@@ -56,10 +102,20 @@ impl<'a> BlockRef<'a> {
     }
 
     #[inline]
+    fn words(self) -> &'a [u32; WIDTH] {
+        bytemuck::cast_ref(&self.0[3])
+    }
+
+    #[inline]
     fn summary(self) -> Summary {
-        let &[extent, size, first, lanes, has_triangles, ..]: &[u32; WIDTH] = bytemuck::cast_ref(&self.0[9]);
-        let [extent, size] = [extent, size].map(f32::from_bits);
-        Summary { extent, size, first, lanes, has_triangles: has_triangles != 0 }
+        let words = self.words();
+        let float = |word: u32| f32::from_bits(word >> 16 << 16);
+        Summary {
+            extent: float(words[0]),
+            size: float(words[1]),
+            first: words[2] >> 16 | words[3] >> 16 << 16,
+            lanes: words[4] >> 16,
+        }
     }
 
     /// Index of the first item.
@@ -71,15 +127,18 @@ impl<'a> BlockRef<'a> {
     /// Whether it holds triangles, and not another item.
     #[inline]
     pub(super) fn has_triangles(self) -> bool {
-        self.summary().has_triangles
+        self.summary().lanes != 0
     }
 
     /// The triangle in a lane that is taken.
     #[inline]
     pub(super) fn triangle(self, lane: usize) -> [Vec3; 3] {
-        let lane = lane % WIDTH;
-        let coordinate = |index: usize| self.0[index].as_array()[lane];
-        let corner = |v: usize| Vec3::new(coordinate(v), coordinate(v + 1), coordinate(v + 2));
+        let word = self.words()[lane % WIDTH];
+        let corner = |bits: u32| {
+            let vertex = (word >> bits) as usize % WIDTH;
+            let coordinate = |axis: usize| self.0[axis].as_array()[vertex];
+            Vec3::new(coordinate(0), coordinate(1), coordinate(2))
+        };
         // Not by `map`, which isn't inlined.
         [corner(0), corner(3), corner(6)]
     }
@@ -101,17 +160,16 @@ impl<'a> BlockRef<'a> {
         const UNIT: f32 = f32::EPSILON / 2.0;
         let [i, j, k] = probe.axes;
         let [ox, oy, oz] = probe.origin;
-        let (ox, oy, oz) = (f32x8::splat(ox), f32x8::splat(oy), f32x8::splat(oz));
         let Summary { extent, size, lanes, .. } = self.summary();
-        let vertex = |first: usize| {
-            let v = &self.0[first..first + 3];
-            [v[i] - ox, v[j] - oy, v[k] - oz]
-        };
-        let vertices = [vertex(0), vertex(3), vertex(6)];
-        let [az, bz, cz] = [vertices[0][2], vertices[1][2], vertices[2][2]];
+        let vertices =
+            [self.0[i] - f32x8::splat(ox), self.0[j] - f32x8::splat(oy), self.0[k] - f32x8::splat(oz)];
+        let words: u32x8 = bytemuck::cast(self.0[3]);
+        let corners @ [a, b, c] = [words, words >> 3, words >> 6];
+        let (az, bz, cz) = (permuted(vertices[2], a), permuted(vertices[2], b), permuted(vertices[2], c));
         let reach = UNIT * (probe.extent + extent);
         Relative {
             vertices,
+            corners,
             z: [az.fast_min(bz).fast_min(cz), az.fast_max(bz).fast_max(cz)],
             lanes,
             error: size * (50.0 * reach + 48.0 * UNIT * size) + 192.0 * reach * reach,
@@ -123,7 +181,9 @@ impl<'a> BlockRef<'a> {
 /// Triangles of a block relative to where a ray begins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Relative {
-    vertices: [[f32x8; 3]; 3],
+    vertices: [f32x8; 3],
+    /// Which vertices are the triangles' first, second and third corners, in the three lowest bits.
+    corners: [u32x8; 3],
     /// The lowest and the highest z.
     z: [f32x8; 2],
     /// Lanes that are taken, as bits.
@@ -141,9 +201,12 @@ impl Relative {
     #[inline(always)]
     pub(super) fn candidates(&self, probe: &Probe, t_max: f32) -> Candidates {
         let (sx, sy) = (f32x8::splat(probe.shear[0]), f32x8::splat(probe.shear[1]));
-        let sheared = |[x, y, z]: &[f32x8; 3]| (sx.mul_neg_add(*z, *x), sy.mul_neg_add(*z, *y));
-        let [a, b, c] = &self.vertices;
-        let ((ax, ay), (bx, by), (cx, cy)) = (sheared(a), sheared(b), sheared(c));
+        let [x, y, z] = self.vertices;
+        let (x, y) = (sx.mul_neg_add(z, x), sy.mul_neg_add(z, y));
+        let [a, b, c] = self.corners;
+        let (ax, ay) = (permuted(x, a), permuted(y, a));
+        let (bx, by) = (permuted(x, b), permuted(y, b));
+        let (cx, cy) = (permuted(x, c), permuted(y, c));
         let u = cx.mul_sub(by, cy * bx);
         let v = ax.mul_sub(cy, ay * cx);
         let w = bx.mul_sub(ay, by * ax);
@@ -250,6 +313,48 @@ mod tests {
     use super::*;
     use crate::sampling::warp::point;
     use crate::shapes::triangle::ShearedRay;
+
+    #[test]
+    fn blocks_hold_their_triangles() {
+        for n in 0..1000 {
+            // A fan of up to six triangles around the first of eight points.
+            let points: Vec<Vec3> =
+                (0..8).map(|k| point(8 * n + k) * 2f32.powi(n as i32 % 40 - 20)).collect();
+            let fan = (0..1 + n as usize % 6).map(|k| [points[0], points[k + 1], points[k + 2]]);
+            let triangles: Vec<_> = fan.map(Some).collect();
+            let first = n * 4_294_967;
+            let memory = block(&triangles, first);
+            let block = BlockRef::new(&memory);
+            assert_eq!(block.first(), first as usize);
+            for (lane, triangle) in triangles.iter().enumerate() {
+                assert_eq!(Some(block.triangle(lane)), *triangle);
+            }
+            let Summary { extent, size, lanes, .. } = block.summary();
+            assert_eq!(lanes, (1 << triangles.len()) - 1);
+            let corners = triangles.iter().flatten();
+            let largest = corners.clone().flatten().fold(0.0, |all: f32, v| all.max(v.abs().max_element()));
+            let sides = corners.map(|[a, b, c]| (a.max(*b).max(*c) - a.min(*b).min(*c)).max_element());
+            let longest = sides.fold(0.0, f32::max);
+            // Seven bits follow the first.
+            for (bound, exact) in [(extent, largest), (size, longest)] {
+                assert!((exact..=exact * (1.0 + 2f32.powi(-7))).contains(&bound), "{bound} for {exact}");
+            }
+        }
+        let other = block(&[None], 7);
+        assert!(!BlockRef::new(&other).has_triangles() && BlockRef::new(&other).first() == 7);
+    }
+
+    #[test]
+    fn leaves_have_room_for_eight_vertices() {
+        let triangle = |k: u32| [k, k + 1, k + 2].map(point);
+        let strip = |count: u32| {
+            (1..count).try_fold(Vertices::of(triangle(0)), |all, k| all.union(&Vertices::of(triangle(k))))
+        };
+        assert_eq!(strip(6).map(|vertices| vertices.0.len()), Some(WIDTH));
+        assert!(strip(7).is_none());
+        // Zeros of two signs are two vertices: tests of triangles may tell them apart.
+        assert_eq!(Vertices::of([Vec3::ZERO, -Vec3::ZERO, Vec3::ZERO]).0.len(), 2);
+    }
 
     #[test]
     fn certain_hits_are_hits_and_hits_are_candidates() {

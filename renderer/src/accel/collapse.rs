@@ -13,6 +13,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use rayon::prelude::*;
 
+use super::block::Vertices;
 use super::node::{Bounds32, Child, Node, WIDTH};
 
 /// Cost of testing a leaf against that of a node; measured in benches/README.md.
@@ -46,8 +47,8 @@ struct Part {
     depth: usize,
 }
 
-/// How much of a leaf, whose room is 8, each item takes.
-type Room<'a> = &'a (dyn Fn(u32) -> u32 + Sync);
+/// The vertices of each item, of which leaves have room for eight; `None` for what takes a leaf of its own.
+type Room<'a> = &'a (dyn Fn(u32) -> Option<Vertices> + Sync);
 
 /// Collapses a tree whose leaves hold one item each.
 pub(super) fn collapse(tree: &Bvh2, room: Room) -> WideTree {
@@ -102,7 +103,6 @@ impl WideTree {
 /// A binary subtree in depth-first order, with the best way to cover each of its nodes.
 struct Cover<'a> {
     tree: &'a Bvh2,
-    room: Room<'a>,
     entries: Vec<Entry>,
     parts: &'a [Part],
 }
@@ -112,7 +112,7 @@ struct Entry {
     node: u32,
     /// Index of the right child; 0 without children.
     right: u32,
-    /// Room that its items take in a leaf; more than there is for a part that is collapsed already.
+    /// How many items it has; more than a leaf may have where they don't go into one.
     count: u32,
     /// Lowest cost of covering it by up to 1, 2, … 7 slots.
     costs: [f32; WIDTH - 1],
@@ -123,12 +123,25 @@ struct Entry {
 
 impl<'a> Cover<'a> {
     fn new(tree: &'a Bvh2, room: Room<'a>, root: u32, parts: &'a [Part]) -> Self {
-        let mut cover = Self { tree, room, entries: Vec::new(), parts };
+        let mut cover = Self { tree, entries: Vec::new(), parts };
         cover.lay_out(root);
+        let mut waiting = Vec::new();
         for index in (0..cover.entries.len()).rev() {
-            cover.choose(index);
+            let vertices = cover.vertices(index, room, &mut waiting);
+            cover.choose(index, vertices.is_some());
+            waiting.push(vertices);
         }
         cover
+    }
+
+    /// The vertices of an entry, if it may become a leaf; those of its children, which come after it, wait on top.
+    fn vertices(&self, index: usize, room: Room, waiting: &mut Vec<Option<Vertices>>) -> Option<Vertices> {
+        let entry = &self.entries[index];
+        if entry.right != 0 {
+            let (left, right) = (waiting.pop()?, waiting.pop()?);
+            return left?.union(&right?);
+        }
+        if self.part(entry.node).is_some() { None } else { room(self.item(entry)) }
     }
 
     fn part(&self, node: u32) -> Option<&'a Part> {
@@ -160,20 +173,20 @@ impl<'a> Cover<'a> {
         }
     }
 
-    /// Finds the best covers of an entry whose children have theirs.
-    fn choose(&mut self, index: usize) {
+    /// Finds the best covers of an entry whose children have theirs; a leaf has room for its vertices, or not.
+    fn choose(&mut self, index: usize, has_room: bool) {
         let entry = &self.entries[index];
         let area = self.tree.nodes[entry.node as usize].aabb().half_area();
         if entry.right == 0 {
             let part = self.part(entry.node);
-            let room = if part.is_none() { (self.room)(self.item(entry)) } else { 0 };
             let entry = &mut self.entries[index];
             entry.costs = [part.map_or(area * LEAF_COST, |p| p.cost); WIDTH - 1];
-            entry.count = if part.is_some() { WIDTH as u32 + 1 } else { room };
+            entry.count = if has_room { 1 } else { WIDTH as u32 + 1 };
             return;
         }
         let (left, right) = (&self.entries[index + 1], &self.entries[entry.right as usize]);
-        let count = (left.count + right.count).min(WIDTH as u32 + 1);
+        let count = if has_room { left.count + right.count } else { WIDTH as u32 + 1 };
+        let count = count.min(WIDTH as u32 + 1);
         let mut costs = [f32::INFINITY; WIDTH + 1];
         let mut choice = [0u8; WIDTH];
         for slots in 2..=WIDTH {

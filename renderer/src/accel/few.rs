@@ -99,7 +99,7 @@ impl Lanes {
         let distance = |axis: usize, which: usize| {
             (N::side_of(bounds, axis, which, self.through) - self.origin[axis]) * self.inverse[axis]
         };
-        met(|axis| [distance(axis, 0), distance(axis, 1)], limit_eight(self.rays.t_max)).0
+        met(|axis| [distance(axis, 0), distance(axis, 1)], limit_eight(self.rays.t_max)).bits()
     }
 }
 

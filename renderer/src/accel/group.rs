@@ -9,12 +9,12 @@ use obvhs::bvh2::builder::build_bvh2;
 use smallvec::SmallVec;
 use wide::f32x8;
 
-use super::block::{BlockMemory, block};
+use super::block::{BlockMemory, Vertices, block};
 use super::collapse::{WideTree, collapse};
 use super::few::{self, Few, LEAVES, Leaf};
 use super::leaves::Leaves;
 use super::memory::Array;
-use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, limit, prefetch};
+use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, lanes_of, limit, prefetch};
 use super::object::Object;
 use super::packet::{Packet, RAYS, Waiting};
 use super::turns;
@@ -32,8 +32,8 @@ pub(super) const BUILD: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::medium_build()
 };
 
-/// Bytes of a tree that caches hold, so that rays don't wait for memory; measured in benches/README.md.
-const CACHED: usize = 1 << 20;
+/// Bytes of a tree up to which rays walk it one after the other; measured in benches/README.md.
+const ALONE: usize = 1 << 17;
 
 /// What a leaf of a tree holds.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +58,7 @@ pub(super) struct Group<N: Boxes = NodeMemory> {
     pub(super) ids: Array<[u32; 2]>,
     /// The leaves of each tree, if they are few.
     pub(super) few: Vec<Few<N>>,
-    /// What a walk's stack may hold.
+    /// Room that a walk's stack needs: for seven children of each level, and eight of the last while they are written.
     pub(super) stack: usize,
     /// Whether the space is an object's own.
     pub(super) is_inner: bool,
@@ -111,7 +111,7 @@ impl Group {
             .collect();
         let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
         let WideTree { root, nodes, leaf_ends, order, depth } =
-            collapse(&binary, &|item| if list[item as usize].triangle.is_some() { 1 } else { 8 });
+            collapse(&binary, &|item| list[item as usize].triangle.map(Vertices::of));
         let first = |leaf: usize| if leaf == 0 { 0 } else { leaf_ends[leaf - 1] };
         let items = |leaf: usize| &order[first(leaf) as usize..leaf_ends[leaf] as usize];
         let leaf = |leaf: usize| {
@@ -134,8 +134,8 @@ impl Group {
         });
         let nodes = Array::new(nodes.len(), |index| nodes[index].to_memory());
         let ids = Array::new(order.len(), |i| list[order[i] as usize].id);
-        let few = few.into_iter().collect();
-        Self { clock: (), roots: vec![root], nodes, blocks, ids, few, stack: 7 * depth + 1, is_inner: false }
+        let (few, stack) = (few.into_iter().collect(), 7 * depth + WIDTH);
+        Self { clock: (), roots: vec![root], nodes, blocks, ids, few, stack, is_inner: false }
     }
 }
 
@@ -184,8 +184,7 @@ impl<N: Boxes> Group<N> {
         while let Some(child) = waiting.pop() {
             if child.leaf().is_none() {
                 let node = tree.node(child);
-                let (mask, _) = node.enter(&slab, limit(reach));
-                let slots = (0..WIDTH).filter(|slot| mask >> slot & 1 == 1);
+                let slots = lanes_of::<WIDTH>(node.enter(&slab, limit(reach)).bits());
                 for child in slots.map(|slot| node.child(slot)) {
                     met[usize::from(child.leaf().is_some())] += 1;
                     waiting.push(child);
@@ -277,7 +276,7 @@ impl<N: Boxes> Group<N> {
         let done = |i: usize, found: &Search| done(i, found.hit(self));
         if !self.few.is_empty() {
             self.walk_few::<Closest>(rays, context, done);
-        } else if self.is_cached() || are_coherent(rays) {
+        } else if self.is_small() || are_coherent(rays) {
             self.walk_each::<Closest>(rays, context, done);
         } else {
             turns::walk::<Closest>(self, rays, context, done);
@@ -293,16 +292,17 @@ impl<N: Boxes> Group<N> {
         let done = |i: usize, found: &Search| done(i, found.is_blocked());
         if !self.few.is_empty() {
             self.walk_few::<Any>(rays, context, done);
-        } else if self.is_cached() || are_coherent(rays) {
+        } else if self.is_small() || are_coherent(rays) {
             self.walk_each::<Any>(rays, context, done);
         } else {
             turns::walk::<Any>(self, rays, context, done);
         }
     }
 
-    fn is_cached(&self) -> bool {
+    /// Whether rays walk its trees one after the other.
+    fn is_small(&self) -> bool {
         let tree = self.tree();
-        size_of_val(tree.nodes) + size_of_val(tree.blocks) <= CACHED
+        size_of_val(tree.nodes) + size_of_val(tree.blocks) <= ALONE * self.roots.len()
     }
 
     /// Fetches what `hit` will look up into the cache.

@@ -12,7 +12,7 @@ use super::few::{Few, LEAVES, Leaf};
 use super::group::{BUILD, Context, Group, comes_before};
 use super::memory::Array;
 use super::moving_node::{MovingBounds, MovingNode, Pair, Segments, farthest, half_ulp, moving_node};
-use super::node::Child;
+use super::node::{Child, WIDTH};
 use super::object::Object;
 use crate::math::bounds::Bounds;
 use crate::ray::{Hit, Ray};
@@ -59,7 +59,7 @@ impl MovingTrees {
             blocks: Array::Small(Vec::new()),
             ids: Array::new(order.len(), |leaf| [listed[order[leaf] as usize], 0]),
             few,
-            stack: 7 * depth + 1,
+            stack: 7 * depth + WIDTH,
             is_inner: false,
         };
         Self { group, area: area / f64::from(segments) }
@@ -161,7 +161,7 @@ impl Forest {
         let boxes: Vec<Aabb> = pairs.iter().map(|pair| aabb(&middle(pair))).collect();
         let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
         // Each item has a leaf of its own.
-        let wide = collapse(&binary, &|_| 8);
+        let wide = collapse(&binary, &|_| None);
         let first = [self.nodes.len(), self.order.len()];
         self.nodes.resize(first[0] + wide.nodes.len(), [f32x16::ZERO; 7]);
         self.order.extend(&wide.order);

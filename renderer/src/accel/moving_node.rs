@@ -53,9 +53,9 @@ impl Boxes for MovingNode {
     }
 
     #[inline]
-    fn child(&self, slot: usize) -> Child {
+    fn children(&self) -> &[u32; WIDTH] {
         let eights: &[[u32; WIDTH]; 14] = bytemuck::cast_ref(self);
-        Child::from_bits(u64::from(eights[12][slot]))
+        &eights[12]
     }
 
     #[inline]

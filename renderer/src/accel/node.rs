@@ -4,10 +4,11 @@ use std::fmt::Debug;
 
 use bytemuck::Pod;
 use glam::Vec3;
-use wide::{f32x8, f32x16};
+use wide::{f32x8, f32x16, i32x8};
 
+use super::walk::Mode;
 use crate::math::bounds::Bounds;
-use crate::math::eight::Vec3x8;
+use crate::math::eight::{Vec3x8, sorted};
 use crate::ray::Ray;
 
 /// Children of a node.
@@ -106,8 +107,14 @@ pub(super) trait Boxes: Pod + Debug + Send + Sync {
     /// How far through a tree's span of time rays of eight times are: beyond 0 and 1 where other trees are for them.
     fn through(clock: &Self::Clock, tree: usize, times: f32x8) -> f32x8;
 
+    /// The children's bits by slot.
+    fn children(&self) -> &[u32; WIDTH];
+
     /// The child in a slot below 8.
-    fn child(&self, slot: usize) -> Child;
+    #[inline]
+    fn child(&self, slot: usize) -> Child {
+        Child(self.children()[slot])
+    }
 
     /// The lower (0) or upper (1) sides of all boxes along an axis at a time.
     fn sides(&self, axis: usize, which: usize, through: f32) -> f32x8;
@@ -121,9 +128,9 @@ pub(super) trait Boxes: Pod + Debug + Send + Sync {
     /// A side of a box at eight times.
     fn side_of(bounds: &Self::Bounds, axis: usize, which: usize, through: f32x8) -> f32x8;
 
-    /// Which boxes the ray meets before `limit` (bits), and how far away it enters each.
+    /// The boxes that the ray meets before `limit`.
     #[inline]
-    fn enter(&self, slab: &Slab, limit: f32) -> (u32, f32x8) {
+    fn enter(&self, slab: &Slab, limit: f32) -> Met {
         let distances = |axis: usize| {
             let (origin, inverse) = (f32x8::splat(slab.origin[axis]), f32x8::splat(slab.inverse[axis]));
             [0, 1].map(|which| (self.sides(axis, which, slab.through) - origin) * inverse)
@@ -150,9 +157,9 @@ impl Boxes for NodeMemory {
     }
 
     #[inline]
-    fn child(&self, slot: usize) -> Child {
+    fn children(&self) -> &[u32; WIDTH] {
         let eights: &[[u32; WIDTH]; 8] = bytemuck::cast_ref(self);
-        Child(eights[6][slot])
+        &eights[6]
     }
 
     #[inline]
@@ -261,17 +268,44 @@ pub(super) fn inverses(direction: Vec3x8) -> Vec3x8 {
     direction.map(|d| (f32x8::ONE / d).fast_max(lowest).fast_min(highest))
 }
 
-/// Which of eight boxes are met before their limits (bits), and how far away each is entered, by the distances of their
-/// two sides along each axis.
+/// Which of eight boxes are met, and how far away each is entered.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Met {
+    /// All bits in the lanes of those that are met, and none in the others.
+    mask: f32x8,
+    pub(super) near: f32x8,
+}
+
+impl Met {
+    /// Those that are met, as bits.
+    #[inline]
+    pub(super) fn bits(&self) -> u32 {
+        self.mask.to_bitmask()
+    }
+
+    /// The slots of the boxes that are met, the farthest first, or the last where any hit will do: in the three lowest bits, with those of
+    /// the distance above. −1 for the others, after them.
+    #[inline]
+    pub(super) fn order<M: Mode>(&self) -> i32x8 {
+        let slots = i32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+        let (mask, near): (i32x8, i32x8) = (bytemuck::cast(self.mask), bytemuck::cast(self.near));
+        // Without its sign: a box around the origin may begin at −0.
+        let near = near & i32x8::splat(i32::MAX & !7);
+        // Nothing is passed over where any hit will do, so distances don't matter.
+        sorted(if M::ANY { slots } else { near | slots } | !mask)
+    }
+}
+
+/// Which of eight boxes are met before their limits, by the distances of their two sides along each axis.
 #[inline(always)]
-pub(super) fn met(distances: impl Fn(usize) -> [f32x8; 2], limits: f32x8) -> (u32, f32x8) {
+pub(super) fn met(distances: impl Fn(usize) -> [f32x8; 2], limits: f32x8) -> Met {
     let [x, y, z] = [distances(0), distances(1), distances(2)];
     let near = |[a, b]: [f32x8; 2]| a.fast_min(b);
     let far = |[a, b]: [f32x8; 2]| a.fast_max(b);
     // As trees, whose results are there sooner than a chain's.
     let enter = near(x).fast_max(near(y)).fast_max(near(z).fast_max(f32x8::ZERO));
     let leave = far(x).fast_min(far(y)).fast_min(far(z));
-    (enter.simd_le((leave * f32x8::splat(SLACK)).fast_min(limits)).to_bitmask(), enter)
+    Met { mask: enter.simd_le((leave * f32x8::splat(SLACK)).fast_min(limits)), near: enter }
 }
 
 /// The lanes of a mask, in their order, below `N`.

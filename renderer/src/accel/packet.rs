@@ -6,7 +6,7 @@ use wide::f32x8;
 
 use super::group::{Context, Group};
 use super::leaves::Leaves;
-use super::node::{Boxes, Child, SLACK, WIDTH, inverses, lanes_of, limit_eight, met};
+use super::node::{Boxes, Child, Met, SLACK, WIDTH, inverses, lanes_of, limit_eight, met};
 use super::walk::{Content, Entry, Found, Mode, Search, Tree};
 use crate::math::eight::Vec3x8;
 use crate::ray::{EightRays, Ray};
@@ -115,11 +115,11 @@ impl Packet {
         })
     }
 
-    /// Which boxes of a node some ray may meet before `limit` (bits), and a bound on how far away the first enters each.
+    /// The boxes of a node that some ray may meet before `limit`, and bounds on how far away the first enters each.
     ///
     /// Rounding keeps order: the bounds hold for what `Boxes::enter` computes for each ray, in every bit.
     #[inline]
-    fn enter(&self, node: &impl Boxes, limit: f32) -> (u32, f32x8) {
+    fn enter(&self, node: &impl Boxes, limit: f32) -> Met {
         let products = |axis: usize, end: usize| {
             let side = node.farthest_sides(axis, self.upper_first[axis] ^ end, self.span);
             let side = side - f32x8::splat(self.bounds[end][axis]);
@@ -215,9 +215,9 @@ impl Packet {
         stack: &mut Vec<Waiting>,
     ) {
         let node = tree.node(node);
-        let (slots, near) = self.enter(node, farthest);
+        let met = self.enter(node, farthest);
         let base = stack.len();
-        for slot in lanes_of::<WIDTH>(slots) {
+        for slot in lanes_of::<WIDTH>(met.bits()) {
             let mut meeting = 0;
             for (i, (eight, limits)) in self.eights[..self.count / 8].iter().zip(limits).enumerate() {
                 meeting |= self.meet(node, slot, eight, *limits) << (8 * i);
@@ -228,7 +228,7 @@ impl Packet {
             }
             let child = node.child(slot);
             tree.prefetch(child);
-            let waiting = Waiting { entry: Entry::new(child, near.as_array()[slot]), rays };
+            let waiting = Waiting { entry: Entry::new(child, met.near.as_array()[slot]), rays };
             let mut place = stack.len();
             stack.push(waiting);
             while !M::ANY && place > base && stack[place - 1].entry < waiting.entry {

@@ -1,14 +1,13 @@
 //! Rays walked in turns, so that one computes while others wait for memory, or for what a branch depends on.
 
-use wide::f32x8;
-
 use super::group::{Context, Group};
-use super::node::{Boxes, Child, Slab};
+use super::node::{Boxes, Child, Met, Slab, WIDTH};
 use super::walk::{Entry, Mode, Pending, Search, Tree};
+use crate::math::eight::permuted_i32;
 use crate::ray::Ray;
 
 /// Rays walked in turns; measured in benches/README.md.
-const LANES: usize = 24;
+const LANES: usize = 32;
 
 /// Walks rays in turns and calls `done` with the index of each and what it found.
 ///
@@ -32,7 +31,7 @@ pub(super) fn walk<M: Mode>(
     for (lane, walker) in walkers.iter().enumerate() {
         at[walker.place()].push(lane);
     }
-    let mut met = [(0, f32x8::ZERO); LANES];
+    let mut met = [Met::default(); LANES];
     while at.iter().any(|list| list.count > 0) {
         let now = std::mem::take(&mut at[0]);
         for (&lane, met) in now.lanes().iter().zip(&mut met) {
@@ -85,6 +84,8 @@ impl List {
 struct Walker {
     search: Search,
     slab: Slab,
+    /// How far away a box may begin and still matter.
+    limit: f32,
     next: Child,
     /// The walker's part of the stack and how far it is filled.
     bottom: usize,
@@ -98,7 +99,8 @@ impl Walker {
     #[inline]
     fn new(group: &Group<impl Boxes>, ray: &Ray, index: usize, bottom: usize) -> Self {
         let (next, through) = group.start(ray);
-        Self { search: Search::new(ray), slab: Slab::new(ray, through), next, bottom, top: bottom, index }
+        let (search, slab) = (Search::new(ray), Slab::new(ray, through));
+        Self { search, slab, limit: search.limit(), next, bottom, top: bottom, index }
     }
 
     /// The next ray of the batch in this one's place.
@@ -107,6 +109,7 @@ impl Walker {
         self.search.restart(ray);
         let (next, through) = group.start(ray);
         self.slab = Slab::new(ray, through);
+        self.limit = self.search.limit();
         self.next = next;
         self.top = self.bottom;
         self.index = index;
@@ -126,24 +129,20 @@ impl Walker {
 
     /// Tests the boxes of the node that it is at.
     #[inline]
-    fn meet(&self, tree: &Tree<impl Boxes>) -> (u32, f32x8) {
-        tree.node(self.next).enter(&self.slab, self.search.limit())
+    fn meet(&self, tree: &Tree<impl Boxes>) -> Met {
+        tree.node(self.next).enter(&self.slab, self.limit)
     }
 
     /// Goes on below a node of which it has met those boxes.
     #[inline]
-    fn descend<M: Mode>(
-        &mut self,
-        tree: &Tree<impl Boxes>,
-        (mask, near): &(u32, f32x8),
-        stack: &mut [Entry],
-    ) {
-        let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
-        let node = tree.node(self.next);
-        self.next = pending.choose::<M>(*mask, near, |slot| node.child(slot));
-        if self.next == Child::NONE {
-            self.next = pending.pop::<M>(self.search.limit());
-        }
+    fn descend<M: Mode>(&mut self, tree: &Tree<impl Boxes>, met: &Met, stack: &mut [Entry]) {
+        let order = met.order::<M>();
+        let children = permuted_i32(bytemuck::cast(*tree.node(self.next).children()), bytemuck::cast(order));
+        // All eight slots, the nearest of those that are met on top: nothing depends on how many there are.
+        stack[self.top..self.top + WIDTH].copy_from_slice(&Entry::eight(children, order));
+        let top = self.top + met.bits().count_ones() as usize;
+        let mut pending = Pending { stack, bottom: self.bottom, top };
+        self.next = pending.pop::<M>(self.limit);
         self.top = pending.top;
         tree.prefetch(self.next);
     }
@@ -152,8 +151,9 @@ impl Walker {
     #[inline]
     fn leave<M: Mode>(&mut self, tree: &Tree<impl Boxes>, stack: &mut [Entry]) {
         let mut pending = Pending { stack, bottom: self.bottom, top: self.top };
+        self.limit = self.search.limit();
         let is_done = M::ANY && self.search.is_blocked();
-        self.next = if is_done { Child::NONE } else { pending.pop::<M>(self.search.limit()) };
+        self.next = if is_done { Child::NONE } else { pending.pop::<M>(self.limit) };
         self.top = pending.top;
         tree.prefetch(self.next);
     }

@@ -1,11 +1,12 @@
 //! How a ray walks a tree.
 
 use glam::Vec3;
-use wide::{f32x8, f32x16};
+use wide::{f32x16, i32x8};
 
 use super::block::{BlockMemory, BlockRef, Candidates, Probe};
 use super::group::{Context, Group};
-use super::node::{Boxes, Child, NodeMemory, Slab, WIDTH, lanes_of, limit, prefetch};
+use super::node::{Boxes, Child, Met, NodeMemory, Slab, WIDTH, lanes_of, limit, prefetch};
+use crate::math::eight::interleaved;
 use crate::ray::{Hit, Ray};
 use crate::shapes::ShapeHit;
 use crate::shapes::triangle::ShearedRay;
@@ -44,7 +45,6 @@ pub(super) struct Tree<'a, N: Boxes = NodeMemory> {
 impl<'a, N: Boxes> Tree<'a, N> {
     /// Lines of the cache that a node takes, and that a node and a leaf take at most.
     const NODE_LINES: usize = size_of::<N>() / size_of::<f32x16>();
-    const LINES: usize = if Self::NODE_LINES > BLOCK_LINES { Self::NODE_LINES } else { BLOCK_LINES };
 
     #[inline]
     pub(super) fn node(&self, child: Child) -> &'a N {
@@ -66,9 +66,12 @@ impl<'a, N: Boxes> Tree<'a, N> {
     pub(super) fn prefetch(&self, child: Child) {
         let arrays: [&[f32x16]; 2] = [bytemuck::cast_slice(self.nodes), self.blocks.as_flattened()];
         let kind = usize::from(child.is_leaf());
-        let first = child.index() * [Self::NODE_LINES, BLOCK_LINES][kind];
-        if let Some(lines) = arrays[kind].get(first..first + Self::LINES) {
-            lines.iter().for_each(prefetch);
+        let count = [Self::NODE_LINES, BLOCK_LINES][kind];
+        let first = child.index() * count;
+        if let Some(lines) = arrays[kind].get(first..first + count)
+            && let (Some(start), Some(end)) = (lines.first_chunk::<2>(), lines.last_chunk::<2>())
+        {
+            start.iter().chain(end).for_each(prefetch);
         }
     }
 }
@@ -86,6 +89,12 @@ pub(super) enum Content<'a> {
 pub(super) struct Entry(u64);
 
 impl Entry {
+    /// Eight at once, by their bits and those of their distances.
+    #[inline]
+    pub(super) fn eight(children: i32x8, near: i32x8) -> [Self; 8] {
+        interleaved(children, near).map(Self)
+    }
+
     #[inline]
     pub(super) fn new(child: Child, near: f32) -> Self {
         // A box around the origin may begin at −0.
@@ -291,8 +300,7 @@ pub(super) fn walk<M: Mode>(
         match next.leaf() {
             None => {
                 let node = tree.node(next);
-                let (mask, near) = node.enter(&slab, limit);
-                next = pending.choose::<M>(mask, &near, |slot| node.child(slot));
+                next = pending.choose::<M>(&node.enter(&slab, limit), |slot| node.child(slot));
                 if next != Child::NONE {
                     continue;
                 }
@@ -318,15 +326,11 @@ pub(super) struct Pending<'a> {
 }
 
 impl Pending<'_> {
-    /// The nearest of the children in `mask`, or the first if any hit will do; the others are left for later, with the
+    /// The nearest of the children whose boxes are met, or the first if any hit will do; the others are left for later, with the
     /// farthest at the bottom. `Child::NONE` if there are none.
     #[inline]
-    pub(super) fn choose<M: Mode>(
-        &mut self,
-        mut mask: u32,
-        near: &f32x8,
-        child: impl Fn(usize) -> Child,
-    ) -> Child {
+    pub(super) fn choose<M: Mode>(&mut self, met: &Met, child: impl Fn(usize) -> Child) -> Child {
+        let mut mask = met.bits();
         if mask == 0 {
             return Child::NONE;
         }
@@ -336,7 +340,8 @@ impl Pending<'_> {
             (slot, mask != 0)
         };
         // Nothing is passed over where any hit will do, so distances don't matter.
-        let entry = |slot: usize| Entry::new(child(slot), if M::ANY { 0.0 } else { near.as_array()[slot] });
+        let entry =
+            |slot: usize| Entry::new(child(slot), if M::ANY { 0.0 } else { met.near.as_array()[slot] });
         let (slot, mut more) = take();
         if !more {
             // Not by way of its entry, which would be there later.

@@ -4,7 +4,7 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use bytemuck::cast;
 use glam::{DVec3, Vec3};
-use wide::{f32x8, f64x8, i32x8};
+use wide::{f32x8, f64x8, i32x8, u32x8};
 
 /// Eight vectors, coordinate by coordinate.
 #[derive(Debug, Clone, Copy, Default)]
@@ -171,9 +171,103 @@ pub fn next_up(x: f32x8) -> f32x8 {
     cast(bits + (bits >> 31_u32 | i32x8::ONE))
 }
 
+/// The numbers in those lanes that the three lowest bits of `lanes` tell.
+#[inline]
+pub fn permuted(of: f32x8, lanes: u32x8) -> f32x8 {
+    #[cfg(target_feature = "avx2")]
+    return cast(safe_arch::shuffle_av_f32_all_m256(cast(of), cast(lanes)));
+    #[cfg(not(target_feature = "avx2"))]
+    f32x8::new(lanes.to_array().map(|lane| of.as_array()[lane as usize % 8]))
+}
+
+/// As `permuted`, of integers.
+#[inline]
+pub fn permuted_i32(of: i32x8, lanes: u32x8) -> i32x8 {
+    #[cfg(target_feature = "avx2")]
+    return cast(safe_arch::shuffle_av_i32_all_m256i(cast(of), cast(lanes)));
+    #[cfg(not(target_feature = "avx2"))]
+    i32x8::new(lanes.to_array().map(|lane| of.as_array()[lane as usize % 8]))
+}
+
+/// Eight integers in descending order, without a branch: a bitonic network of six steps, in each of which every lane meets another and
+/// keeps the greater or the smaller of both.
+#[inline]
+pub fn sorted(of: i32x8) -> i32x8 {
+    #[cfg(target_feature = "avx2")]
+    {
+        use safe_arch::{blend_imm_i32_m256i as blend, m256i, max_i32_m256i as max, min_i32_m256i as min};
+        use safe_arch::{permute2z_m256i as halves, shuffle_ai_i32_half_m256i as shuffle};
+        let a: m256i = cast(of);
+        let b = shuffle::<0b10_11_00_01>(a);
+        let a = blend::<0b1010_1010>(max(a, b), min(a, b));
+        let b = shuffle::<0b00_01_10_11>(a);
+        let a = blend::<0b1100_1100>(max(a, b), min(a, b));
+        let b = shuffle::<0b10_11_00_01>(a);
+        let a = blend::<0b1010_1010>(max(a, b), min(a, b));
+        let b = halves::<0x01>(a, a);
+        let b = shuffle::<0b00_01_10_11>(b);
+        let a = blend::<0b1111_0000>(max(a, b), min(a, b));
+        let b = shuffle::<0b01_00_11_10>(a);
+        let a = blend::<0b1100_1100>(max(a, b), min(a, b));
+        let b = shuffle::<0b10_11_00_01>(a);
+        cast(blend::<0b1010_1010>(max(a, b), min(a, b)))
+    }
+    #[cfg(not(target_feature = "avx2"))]
+    {
+        let mut list = of.to_array();
+        list.sort_unstable_by(|a, b| b.cmp(a));
+        i32x8::new(list)
+    }
+}
+
+/// Eight numbers by their lower and upper halves.
+#[inline]
+pub fn interleaved(lower: i32x8, upper: i32x8) -> [u64; 8] {
+    #[cfg(target_feature = "avx2")]
+    {
+        use safe_arch::{m256i, permute2z_m256i as halves, unpack_high_i32_m256i, unpack_low_i32_m256i};
+        let (a, b): (m256i, m256i) = (cast(lower), cast(upper));
+        let (even, odd) = (unpack_low_i32_m256i(a, b), unpack_high_i32_m256i(a, b));
+        cast([halves::<0x20>(even, odd), halves::<0x31>(even, odd)])
+    }
+    #[cfg(not(target_feature = "avx2"))]
+    std::array::from_fn(|lane| {
+        let [lower, upper] = [lower, upper].map(|half| u64::from(half.as_array()[lane].cast_unsigned()));
+        upper << 32 | lower
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Eight numbers from −16 to 15.
+    fn scattered(n: u32) -> [i32; 8] {
+        std::array::from_fn(|lane| (n.wrapping_mul(2_654_435_761) >> (3 * lane) & 31) as i32 - 16)
+    }
+
+    #[test]
+    fn eight_integers_are_sorted_and_permuted() {
+        // A network that sorts all zeros and ones sorts everything (Knuth, The Art of Computer Programming 3, 5.3.4).
+        let bits = (0..256).map(|n| std::array::from_fn(|lane| n >> lane & 1));
+        for list in bits.chain((0..10_000).map(scattered)) {
+            let mut expected = list;
+            expected.sort_unstable_by(|a, b| b.cmp(a));
+            assert_eq!(sorted(i32x8::new(list)).to_array(), expected);
+        }
+        for n in 0..1000 {
+            let (list, lanes) = (scattered(n), scattered(n + 7));
+            let expected = lanes.map(|lane| list[(lane & 7) as usize]);
+            let by: u32x8 = cast(i32x8::new(lanes));
+            assert_eq!(permuted_i32(i32x8::new(list), by).to_array(), expected);
+            let floats = f32x8::new(list.map(|x| x as f32));
+            assert_eq!(permuted(floats, by).to_array(), expected.map(|x| x as f32));
+            let halves = interleaved(i32x8::new(list), i32x8::new(lanes));
+            for ((whole, lower), upper) in halves.iter().zip(list).zip(lanes) {
+                assert_eq!(*whole, u64::from(upper.cast_unsigned()) << 32 | u64::from(lower.cast_unsigned()));
+            }
+        }
+    }
 
     #[test]
     fn eight_numbers_step_as_one() {
