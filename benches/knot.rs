@@ -89,8 +89,8 @@ pub struct RaySet {
     pub rays: Vec<Ray>,
 }
 
-/// Rays from a camera in squares of 8 × 8 pixels, `side` pixels each way; cosine-distributed rays from what they meet,
-/// in order and shuffled; and segments to a light above.
+/// The camera's rays, `side` pixels each way; cosine-distributed rays from what they meet, in order and shuffled; and segments to a light
+/// above.
 pub fn ray_sets(accel: &Accel, side: u32) -> Vec<RaySet> {
     let rng = &mut Pcg64::seed_from_u64(0);
     let camera = camera_rays(side);
@@ -118,7 +118,8 @@ pub fn ray_sets(accel: &Accel, side: u32) -> Vec<RaySet> {
     ]
 }
 
-fn camera_rays(side: u32) -> Vec<Ray> {
+/// Rays from a camera in squares of 8 × 8 pixels, `side` pixels each way.
+pub fn camera_rays(side: u32) -> Vec<Ray> {
     let eye = DVec3::new(0.0, 2.2, 4.6);
     let forward = (-eye).normalize();
     let right = forward.cross(DVec3::Y).normalize();

@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use benches::knot::{accel, mesh, ray_sets};
+use benches::knot::{accel, camera_rays, mesh, ray_sets};
 use benches::{busy, median};
 use plotters::prelude::*;
 use renderer::accel::Accel;
@@ -14,7 +14,8 @@ use renderer::ray::Ray;
 
 const COUNTS: [f64; 9] = [1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6, 3e6, 1e7];
 
-const SETS: [&str; 3] = ["coherent", "secondary", "shuffled"];
+/// Camera rays of one sample a pixel and of 64, as renders trace them, on 512 × 512 pixels; and rays from where the former meet the mesh.
+const SETS: [&str; 4] = ["coherent", "64 a pixel", "secondary", "shuffled"];
 
 /// Rays in one query, and measurements whose median counts.
 const BATCH: usize = 4096;
@@ -28,9 +29,9 @@ fn main() {
     let once = arguments.iter().any(|argument| argument == "--test");
     let largest = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(if once { 1e4 } else { 1e7 });
     let least = if once { 0.0 } else { LEAST };
-    let mut curves: [Vec<(f64, f64)>; 3] = Default::default();
+    let mut curves: [Vec<(f64, f64)>; 4] = Default::default();
     println!("ns a ray, and growth over the logarithm's: {}", SETS.join(", "));
-    println!("{:>10} {:>10} {:>18} {:>18}", "triangles", "bytes each", "ns a ray", "growth");
+    println!("{:>10} {:>10} {:>24} {:>28}", "triangles", "bytes each", "ns a ray", "growth");
     for wanted in COUNTS.into_iter().filter(|count| *count <= largest) {
         let before = resident();
         let data = Arc::new(mesh(wanted));
@@ -38,16 +39,19 @@ fn main() {
         let accel = accel(&data);
         drop(data);
         let bytes = (resident() - before) / count;
-        let sets = ray_sets(&accel, if once { 32 } else { 512 });
-        for (curve, set) in curves.iter_mut().zip(&sets) {
-            curve.push((count, median((0..ROUNDS).map(|_| time(&accel, &set.rays, least)).collect())));
+        let side = if once { 32 } else { 512 };
+        // Squares of 8 × 8 rays are a pixel each.
+        let (sets, many) = (ray_sets(&accel, side), camera_rays(8 * side));
+        let sets = [&sets[0].rays, &many, &sets[1].rays, &sets[2].rays];
+        for (curve, rays) in curves.iter_mut().zip(sets) {
+            curve.push((count, median((0..ROUNDS).map(|_| time(&accel, rays, least)).collect())));
         }
         let last = curves.each_ref().map(|curve| format!("{:.0}", curve[curve.len() - 1].1)).join(" / ");
         let growth = curves.each_ref().map(|curve| {
             let ((n0, t0), (n, t)) = (curve[0], curve[curve.len() - 1]);
             format!("{:.2}", t / t0 / (n.ln() / n0.ln()))
         });
-        println!("{count:10} {bytes:10.0} {last:>18} {:>18}", growth.join(" / "));
+        println!("{count:10} {bytes:10.0} {last:>24} {:>28}", growth.join(" / "));
     }
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scaling.svg");
     match draw(&path, &curves) {
@@ -90,7 +94,7 @@ fn draw(path: &Path, curves: &[Vec<(f64, f64)>]) -> Result<(), Box<dyn std::erro
         .y_label_area_size(52)
         .build_cartesian_2d((1e3..1e7).log_scale(), 0.0..1.1 * highest)?;
     chart.configure_mesh().x_desc("triangles").y_desc("ns a ray").draw()?;
-    for ((curve, name), color) in curves.iter().zip(SETS).zip([RED, BLUE, BLACK]) {
+    for ((curve, name), color) in curves.iter().zip(SETS).zip([RED, MAGENTA, BLUE, BLACK]) {
         let line = LineSeries::new(curve.iter().copied(), color.stroke_width(2));
         let series = chart.draw_series(line)?.label(name);
         series.legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));

@@ -109,8 +109,7 @@ impl Walker {
         self.search.restart(ray);
         let (next, through) = group.start(ray);
         self.slab = Slab::new(ray, through);
-        self.limit = self.search.limit();
-        self.next = next;
+        (self.next, self.limit) = (next, self.search.limit());
         self.top = self.bottom;
         self.index = index;
     }
