@@ -93,7 +93,8 @@ fn draw(path: &Path, curves: &[Vec<(f64, f64)>]) -> Result<(), Box<dyn std::erro
         .x_label_area_size(36)
         .y_label_area_size(52)
         .build_cartesian_2d((1e3..1e7).log_scale(), 0.0..1.1 * highest)?;
-    chart.configure_mesh().x_desc("triangles").y_desc("ns a ray").draw()?;
+    let mut axes = chart.configure_mesh();
+    axes.x_desc("triangles").x_label_formatter(&|count| format!("{count:e}")).y_desc("ns a ray").draw()?;
     for ((curve, name), color) in curves.iter().zip(SETS).zip([RED, MAGENTA, BLUE, BLACK]) {
         let line = LineSeries::new(curve.iter().copied(), color.stroke_width(2));
         let series = chart.draw_series(line)?.label(name);

@@ -1,7 +1,6 @@
 //! Leaves of up to eight items, and the test that passes over most triangles eight at a time.
 
 use glam::Vec3;
-use smallvec::SmallVec;
 use wide::{f32x8, f32x16, u32x8};
 
 use super::node::{SLACK, WIDTH, limit};
@@ -26,20 +25,30 @@ struct Summary {
 }
 
 /// The vertices of a leaf's triangles, each once.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Vertices(SmallVec<[Vec3; WIDTH]>);
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Vertices {
+    coordinates: [[f32; WIDTH]; 3],
+    count: usize,
+}
 
 impl Vertices {
-    /// The index of a vertex that is equal to `vertex` in every bit, added if there is none.
+    /// The index of a vertex that is equal to `vertex` in every bit, added if there is none; `None` if there is no room.
     #[inline]
-    #[expect(clippy::cast_possible_truncation, reason = "leaves have few vertices")]
-    fn index(&mut self, vertex: Vec3) -> u32 {
-        let bits = |v: &Vec3| v.to_array().map(f32::to_bits);
-        let index = self.0.iter().position(|v| bits(v) == bits(&vertex));
-        index.unwrap_or_else(|| {
-            self.0.push(vertex);
-            self.0.len() - 1
-        }) as u32
+    fn index(&mut self, vertex: Vec3) -> Option<usize> {
+        let equal = |axis: usize| {
+            let all: u32x8 = bytemuck::cast(self.coordinates[axis]);
+            all.simd_eq(u32x8::splat(vertex[axis].to_bits()))
+        };
+        let equal = (equal(0) & equal(1) & equal(2)).to_bitmask() & !(u32::MAX << self.count);
+        if equal != 0 {
+            return Some(equal.trailing_zeros() as usize);
+        }
+        let slot = self.count;
+        for (coordinates, coordinate) in self.coordinates.iter_mut().zip(vertex.to_array()) {
+            *coordinates.get_mut(slot)? = coordinate;
+        }
+        self.count += 1;
+        Some(slot)
     }
 
     /// Those of a triangle.
@@ -53,16 +62,16 @@ impl Vertices {
 
     /// Those of both; `None` if a leaf has no room for them.
     pub(super) fn union(mut self, other: &Self) -> Option<Self> {
-        for vertex in &other.0 {
-            if self.index(*vertex) as usize == WIDTH {
-                return None;
-            }
+        let [x, y, z] = &other.coordinates;
+        for slot in 0..other.count {
+            self.index(Vec3::new(x[slot], y[slot], z[slot]))?;
         }
         Some(self)
     }
 }
 
 /// The block of `items`, numbered from `first`, at most eight with at most eight vertices; `None` for what isn't a triangle.
+#[expect(clippy::cast_possible_truncation, reason = "indices are below 8")]
 pub(super) fn block(items: &[Option<[Vec3; 3]>], first: u32) -> BlockMemory {
     let mut vertices = Vertices::default();
     let (mut extent, mut size, mut lanes) = (0.0f32, 0.0f32, 0);
@@ -70,7 +79,8 @@ pub(super) fn block(items: &[Option<[Vec3; 3]>], first: u32) -> BlockMemory {
     for (lane, triangle) in items.iter().enumerate() {
         let Some(corners) = triangle else { continue };
         for (corner, bits) in corners.iter().zip([0, 3, 6]) {
-            words[lane] |= vertices.index(*corner) << bits;
+            let index = vertices.index(*corner).expect("a leaf has room for its vertices");
+            words[lane] |= (index as u32) << bits;
             extent = extent.max(corner.abs().max_element());
         }
         let [a, b, c] = corners;
@@ -83,12 +93,8 @@ pub(super) fn block(items: &[Option<[Vec3; 3]>], first: u32) -> BlockMemory {
     for (word, half) in words.iter_mut().zip(summary) {
         *word |= half << 16;
     }
-    let mut memory = [[0.0; WIDTH]; 4];
-    for (slot, vertex) in vertices.0.iter().enumerate() {
-        (0..3).for_each(|axis| memory[axis][slot] = vertex[axis]);
-    }
-    memory[3] = words.map(f32::from_bits);
-    bytemuck::cast(memory)
+    let [x, y, z] = vertices.coordinates;
+    bytemuck::cast([x, y, z, words.map(f32::from_bits)])
 }
 
 /// Up to eight triangles in memory, or another item.
@@ -350,10 +356,10 @@ mod tests {
         let strip = |count: u32| {
             (1..count).try_fold(Vertices::of(triangle(0)), |all, k| all.union(&Vertices::of(triangle(k))))
         };
-        assert_eq!(strip(6).map(|vertices| vertices.0.len()), Some(WIDTH));
+        assert_eq!(strip(6).map(|vertices| vertices.count), Some(WIDTH));
         assert!(strip(7).is_none());
         // Zeros of two signs are two vertices: tests of triangles may tell them apart.
-        assert_eq!(Vertices::of([Vec3::ZERO, -Vec3::ZERO, Vec3::ZERO]).0.len(), 2);
+        assert_eq!(Vertices::of([Vec3::ZERO, -Vec3::ZERO, Vec3::ZERO]).count, 2);
     }
 
     #[test]
