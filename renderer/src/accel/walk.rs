@@ -43,7 +43,7 @@ pub(super) struct Tree<'a, N: Boxes = NodeMemory> {
 }
 
 impl<'a, N: Boxes> Tree<'a, N> {
-    /// Lines of the cache that a node takes, and that a node and a leaf take at most.
+    /// Lines of the cache that a node takes.
     const NODE_LINES: usize = size_of::<N>() / size_of::<f32x16>();
 
     #[inline]
@@ -61,7 +61,8 @@ impl<'a, N: Boxes> Tree<'a, N> {
         }
     }
 
-    /// Fetches a node or leaf into the cache. No branch depends on which it is: a line too many for a node costs less.
+    /// Fetches a leaf or node at rest, and the first and last lines of a moving node, into the cache. No branch depends on which it is: a leaf's two lines
+    /// are asked for twice.
     #[inline]
     pub(super) fn prefetch(&self, child: Child) {
         let arrays: [&[f32x16]; 2] = [bytemuck::cast_slice(self.nodes), self.blocks.as_flattened()];
