@@ -3,7 +3,7 @@
 use super::group::{Context, Group};
 use super::node::{Boxes, Child, Met, Slab, WIDTH};
 use super::walk::{Entry, Mode, Pending, Search, Tree};
-use crate::math::eight::permuted_i32;
+use crate::math::eight::permuted;
 use crate::ray::Ray;
 
 /// Rays walked in turns; measured in benches/README.md.
@@ -136,9 +136,9 @@ impl Walker {
     #[inline]
     fn descend<M: Mode>(&mut self, tree: &Tree<impl Boxes>, met: &Met, stack: &mut [Entry]) {
         let order = met.order::<M>();
-        let children = permuted_i32(bytemuck::cast(*tree.node(self.next).children()), bytemuck::cast(order));
+        let children = permuted(bytemuck::cast(*tree.node(self.next).children()), bytemuck::cast(order));
         // All eight slots, the nearest of those that are met on top: nothing depends on how many there are.
-        stack[self.top..self.top + WIDTH].copy_from_slice(&Entry::eight(children, order));
+        stack[self.top..self.top + WIDTH].copy_from_slice(&Entry::eight(bytemuck::cast(children), order));
         let top = self.top + met.bits().count_ones() as usize;
         let mut pending = Pending { stack, bottom: self.bottom, top };
         self.next = pending.pop::<M>(self.limit);

@@ -171,22 +171,13 @@ pub fn next_up(x: f32x8) -> f32x8 {
     cast(bits + (bits >> 31_u32 | i32x8::ONE))
 }
 
-/// The numbers in those lanes that the three lowest bits of `lanes` tell.
+/// The numbers in those lanes that the three lowest bits of `lanes` tell, with every bit, so that they may stand for integers.
 #[inline]
 pub fn permuted(of: f32x8, lanes: u32x8) -> f32x8 {
     #[cfg(target_feature = "avx2")]
     return cast(safe_arch::shuffle_av_f32_all_m256(cast(of), cast(lanes)));
     #[cfg(not(target_feature = "avx2"))]
     f32x8::new(lanes.to_array().map(|lane| of.as_array()[lane as usize % 8]))
-}
-
-/// As `permuted`, of integers.
-#[inline]
-pub fn permuted_i32(of: i32x8, lanes: u32x8) -> i32x8 {
-    #[cfg(target_feature = "avx2")]
-    return cast(safe_arch::shuffle_av_i32_all_m256i(cast(of), cast(lanes)));
-    #[cfg(not(target_feature = "avx2"))]
-    i32x8::new(lanes.to_array().map(|lane| of.as_array()[lane as usize % 8]))
 }
 
 /// Eight integers in descending order, without a branch: a bitonic network of six steps, in each of which every lane meets another and
@@ -259,7 +250,8 @@ mod tests {
             let (list, lanes) = (scattered(n), scattered(n + 7));
             let expected = lanes.map(|lane| list[(lane & 7) as usize]);
             let by: u32x8 = cast(i32x8::new(lanes));
-            assert_eq!(permuted_i32(i32x8::new(list), by).to_array(), expected);
+            let integers: i32x8 = cast(permuted(cast(i32x8::new(list)), by));
+            assert_eq!(integers.to_array(), expected);
             let floats = f32x8::new(list.map(|x| x as f32));
             assert_eq!(permuted(floats, by).to_array(), expected.map(|x| x as f32));
             let halves = interleaved(i32x8::new(list), i32x8::new(lanes));
