@@ -1,7 +1,7 @@
 //! Rays walked in turns, so that one computes while others wait for memory, or for what a branch depends on.
 
 use super::group::{Context, Group};
-use super::node::{Boxes, Child, Met, Slab, WIDTH};
+use super::node::{Boxes, Child, Met, Slab, WIDTH, lanes_of};
 use super::walk::{Entry, Mode, Pending, Search, Tree};
 use crate::math::eight::permuted;
 use crate::ray::Ray;
@@ -26,57 +26,41 @@ pub(super) fn walk<M: Mode>(
     let mut waiting = rays.iter().enumerate();
     let start = |(lane, (index, ray))| Walker::new(group, ray, index, lane * group.stack);
     let mut walkers: Vec<Walker> = (0..LANES).zip(waiting.by_ref()).map(start).collect();
-    // The walkers at nodes, and those at leaves or at an end.
-    let mut at = [List::default(); 2];
+    // The lanes of walkers at nodes, and of those at leaves or at an end, as bits.
+    let (mut at_nodes, mut at_leaves) = (0, 0);
     for (lane, walker) in walkers.iter().enumerate() {
-        at[walker.place()].push(lane);
+        at_leaves |= walker.is_at_leaf() << lane;
+        at_nodes |= 1 << lane & !at_leaves;
     }
     let mut met = [Met::default(); LANES];
-    while at.iter().any(|list| list.count > 0) {
-        let now = std::mem::take(&mut at[0]);
-        for (&lane, met) in now.lanes().iter().zip(&mut met) {
-            *met = walkers[lane].meet(&tree);
+    while at_nodes | at_leaves != 0 {
+        for lane in lanes_of::<LANES>(at_nodes) {
+            met[lane] = walkers[lane].meet(&tree);
         }
-        for (&lane, met) in now.lanes().iter().zip(&met) {
+        for lane in lanes_of::<LANES>(at_nodes) {
             let walker = &mut walkers[lane];
-            walker.descend::<M>(&tree, met, &mut stack);
-            at[walker.place()].push(lane);
+            walker.descend::<M>(&tree, &met[lane], &mut stack);
+            at_leaves |= walker.is_at_leaf() << lane;
         }
-        let now = std::mem::take(&mut at[1]);
-        for &lane in now.lanes() {
+        at_nodes &= !at_leaves;
+        for lane in lanes_of::<LANES>(at_leaves) {
             let walker = &mut walkers[lane];
             if let Some(leaf) = walker.leaf() {
                 walker.search.leaf::<M>(&tree, leaf, context);
                 walker.leave::<M>(&tree, &mut stack);
             } else {
                 done(walker.index, &walker.search);
-                let Some((index, ray)) = waiting.next() else { continue };
+                let Some((index, ray)) = waiting.next() else {
+                    at_leaves &= !(1 << lane);
+                    continue;
+                };
                 walker.restart(group, ray, index);
             }
-            at[walker.place()].push(lane);
+            at_nodes |= (walker.is_at_leaf() ^ 1) << lane;
         }
+        at_leaves &= !at_nodes;
     }
     context.stack = stack;
-}
-
-/// Which walkers are at some place; a vector would ask for room each time.
-#[derive(Debug, Clone, Copy, Default)]
-struct List {
-    lanes: [usize; LANES],
-    count: usize,
-}
-
-impl List {
-    #[inline]
-    fn push(&mut self, lane: usize) {
-        self.lanes[self.count] = lane;
-        self.count += 1;
-    }
-
-    #[inline]
-    fn lanes(&self) -> &[usize] {
-        &self.lanes[..self.count]
-    }
 }
 
 /// A ray on its way through a tree.
@@ -116,8 +100,8 @@ impl Walker {
 
     /// 0 at a node, 1 at a leaf or an end.
     #[inline]
-    fn place(&self) -> usize {
-        usize::from(self.next.is_leaf())
+    fn is_at_leaf(&self) -> u32 {
+        u32::from(self.next.is_leaf())
     }
 
     /// The leaf to visit; `None` at an end.
