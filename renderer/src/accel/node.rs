@@ -8,7 +8,7 @@ use wide::{f32x8, f32x16, i32x8};
 
 use super::walk::Mode;
 use crate::math::bounds::Bounds;
-use crate::math::eight::{Vec3x8, sorted};
+use crate::math::eight::{Vec3x8, packed, sorted};
 use crate::ray::Ray;
 
 /// Children of a node.
@@ -283,16 +283,18 @@ impl Met {
         self.mask.to_bitmask()
     }
 
-    /// The slots of the boxes that are met, the farthest first, or the last where any hit will do: in the three lowest bits, with those of
-    /// the distance above. −1 for the others, after them.
+    /// The slots of the boxes that are met, the farthest first, or in their order where any hit will do: in the three lowest bits, with
+    /// those of the distance above if it matters. Those of the others follow.
     #[inline]
     pub(super) fn order<M: Mode>(&self) -> i32x8 {
+        if M::ANY {
+            // Nothing is passed over, so distances don't matter.
+            return bytemuck::cast(packed(self.bits()));
+        }
         let slots = i32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
         let (mask, near): (i32x8, i32x8) = (bytemuck::cast(self.mask), bytemuck::cast(self.near));
         // Without its sign: a box around the origin may begin at −0.
-        let near = near & i32x8::splat(i32::MAX & !7);
-        // Nothing is passed over where any hit will do, so distances don't matter.
-        sorted(if M::ANY { slots } else { near | slots } | !mask)
+        sorted(near & i32x8::splat(i32::MAX & !7) | slots | !mask)
     }
 }
 

@@ -211,6 +211,31 @@ pub fn sorted(of: i32x8) -> i32x8 {
     }
 }
 
+/// The lanes of a mask, given as bits below 256, one after the other from the highest lane on, in the three lowest bits. What follows them
+/// is of no meaning.
+#[inline]
+pub fn packed(mask: u32) -> u32x8 {
+    u32x8::splat(PACKED[mask as usize % 256]) >> u32x8::new([0, 4, 8, 12, 16, 20, 24, 28])
+}
+
+/// The lanes of each mask, in four bits each.
+static PACKED: [u32; 256] = {
+    let mut table = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut count) = (8, 0);
+        while lane > 0 {
+            lane -= 1;
+            if mask >> lane & 1 == 1 {
+                table[mask] |= lane << (4 * count);
+                count += 1;
+            }
+        }
+        mask += 1;
+    }
+    table
+};
+
 /// Eight numbers by their lower and upper halves.
 #[inline]
 pub fn interleaved(lower: i32x8, upper: i32x8) -> [u64; 8] {
