@@ -299,14 +299,17 @@ pub(super) struct Probe {
 }
 
 impl Probe {
+    // Always inlined: handed over in memory it would be copied before it is there.
+    #[inline(always)]
     pub(super) fn new(ray: &Ray) -> Self {
         let z = ray.direction.abs().max_position();
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let [dx, dy, dz] = axes.map(|a| ray.direction[a]);
+        let (origin, direction): (&[f32; 3], &[f32; 3]) = (ray.origin.as_ref(), ray.direction.as_ref());
+        let [dx, dy, dz] = axes.map(|a| direction[a]);
         let scale = 1.0 / dz;
         Self {
             axes,
-            origin: axes.map(|a| ray.origin[a]),
+            origin: axes.map(|a| origin[a]),
             shear: [dx * scale, dy * scale],
             scale,
             extent: ray.origin.abs().max_element(),

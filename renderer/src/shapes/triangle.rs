@@ -23,12 +23,21 @@ pub struct ShearedRay {
 
 impl ShearedRay {
     /// Prepares `ray`, whose direction may have any length but zero.
+    // Always inlined: handed over in memory it would be copied before it is there.
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let z = ray.direction.abs().max_position();
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let [dx, dy, dz] = axes.map(|a| direction[a]);
-        Self { origin, direction, axes, start: axes.map(|a| origin[a]), shear: [dx / dz, dy / dz, 1.0 / dz] }
+        // As arrays: a vector's index is a branch.
+        let (origin, direction): (&[f32; 3], &[f32; 3]) = (ray.origin.as_ref(), ray.direction.as_ref());
+        let [dx, dy, dz] = axes.map(|a| f64::from(direction[a]));
+        Self {
+            origin: ray.origin.as_dvec3(),
+            direction: ray.direction.as_dvec3(),
+            axes,
+            start: axes.map(|a| f64::from(origin[a])),
+            shear: [dx / dz, dy / dz, 1.0 / dz],
+        }
     }
 
     /// The vertex's sheared x and y, rounded to f32 once, and its distance along the ray.
