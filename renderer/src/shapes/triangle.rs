@@ -70,7 +70,9 @@ impl ShearedRay {
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        // Without a branch for each: which sign they have is a matter of chance.
+        let (is_below, is_above) = ((u < 0.0) | (v < 0.0) | (w < 0.0), (u > 0.0) | (v > 0.0) | (w > 0.0));
+        if is_below & is_above {
             return None;
         }
         let sum = u + v + w;
