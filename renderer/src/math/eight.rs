@@ -287,6 +287,15 @@ mod tests {
     }
 
     #[test]
+    fn lanes_of_a_mask_are_packed() {
+        for mask in 0..256 {
+            let lanes: Vec<u32> = (0..8).rev().filter(|lane| mask >> lane & 1 == 1).collect();
+            let packed = packed(mask).to_array().map(|lane| lane & 7);
+            assert_eq!(packed[..lanes.len()], lanes, "{mask:b}");
+        }
+    }
+
+    #[test]
     fn eight_numbers_step_as_one() {
         let numbers = [0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE, -1e-45, 1e30, -1e-30];
         assert_eq!(next_up(f32x8::new(numbers)).to_array(), numbers.map(f32::next_up));
