@@ -59,10 +59,13 @@ pub(super) fn claims() -> Vec<Claim> {
         "no ray from inside a closed mesh misses it that is so fine that rays are walked in turns",
     );
     let fine = fine
-        .rejects("one ray of each 4,096 isn't walked", |run| {
-            in_turns(run, |hits| hits[hits.len() / 2] = None)
+        .rejects("one ray of each 4,096 finds no nearest hit", |run| {
+            in_turns(run, |hits, _| hits[hits.len() / 2] = None)
         })
-        .by(|run| in_turns(run, |_| ()));
+        .rejects("one ray of each 4,096 finds nothing in its way", |run| {
+            in_turns(run, |_, blocked| blocked[blocked.len() / 2] = false)
+        })
+        .by(|run| in_turns(run, |_, _| ()));
     cases.map(of).into_iter().flatten().chain([fine]).collect()
 }
 
@@ -148,11 +151,11 @@ fn count(
 }
 
 fn judge(body: Body, run: &Run, trials: u64, bound: f64) -> Result<Evidence, InputError> {
-    traced(&ball(run.seed, body.side), body.moves, run, (trials, bound), |_| ())
+    traced(&ball(run.seed, body.side), body.moves, run, (trials, bound), |_, _| ())
 }
 
 /// The rays of the fine mesh, with what they found spoilt.
-fn in_turns(run: &Run, spoil: impl Fn(&mut [Option<Hit>])) -> Result<Evidence, InputError> {
+fn in_turns(run: &Run, spoil: impl Fn(&mut [Option<Hit>], &mut [bool])) -> Result<Evidence, InputError> {
     let bound = 1e-4;
     let trials = share::trials_for(bound)? * run.effort;
     traced(&ball(run.seed, FINE.side), FINE.moves, run, (trials, bound), spoil)
@@ -164,26 +167,28 @@ fn missing(body: Body, run: &Run) -> Result<Evidence, InputError> {
     // At the equator: a three-hundredth of all directions, which a third of the rays take; some 20 find it, none with
     // probability 2e-9.
     holed.triangles.remove(holed.triangles.len() * 17 / 32);
-    traced(&holed, body.moves, run, (20_000, 1e-4), |_| ())
+    traced(&holed, body.moves, run, (20_000, 1e-4), |_, _| ())
 }
 
-/// Judges how many of so many trials leak, against the bound, after `spoil` has changed what each batch found.
+/// Judges how many of so many trials leak, which lack a nearest hit or find nothing in their way, against the bound, after `spoil` has
+/// changed what each batch found.
 fn traced(
     mesh: &MeshData,
     moves: bool,
     run: &Run,
     (trials, bound): (u64, f64),
-    spoil: impl Fn(&mut [Option<Hit>]),
+    spoil: impl Fn(&mut [Option<Hit>], &mut [bool]),
 ) -> Result<Evidence, InputError> {
     let settings = ShapeSettings::Mesh(Arc::new(mesh.clone()));
     let shape = Shape::new(&settings, &DAffine3::IDENTITY, false).map_err(subject)?;
     let object = if moves { Object::moving(shape, motion()?) } else { Object::still(shape) };
     let accel = Accel::new(vec![object], [0.0, 1.0]);
-    let mut found: Vec<Option<Hit>> = Vec::new();
+    let (mut found, mut blocked) = (Vec::new(), Vec::new());
     let leaks = count(mesh, moves, run, trials, |rays| {
         accel.closest(rays, &mut found);
-        spoil(&mut found);
-        found.iter().flatten().map(|_| 1).sum()
+        accel.occluded(rays, &mut blocked);
+        spoil(&mut found, &mut blocked);
+        found.iter().zip(&blocked).map(|(hit, blocked)| u64::from(hit.is_some() && *blocked)).sum()
     })?;
     share::judge("share of rays that leak", leaks, trials, bound)
 }
