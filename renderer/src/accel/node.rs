@@ -283,8 +283,8 @@ impl Met {
         self.mask.to_bitmask()
     }
 
-    /// The slots of the boxes that are met, the farthest first, or in their order where any hit will do: in the three lowest bits, with
-    /// those of the distance above if it matters. Those of the others follow.
+    /// The slots of the boxes that are met, the farthest first, or the last where any hit will do: in the three lowest bits, with
+    /// those of the distance above if it matters. What follows them is of no meaning.
     #[inline]
     pub(super) fn order<M: Mode>(&self) -> i32x8 {
         if M::ANY {
