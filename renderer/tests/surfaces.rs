@@ -74,17 +74,25 @@ fn one_surface(rng: &mut Pcg64) -> Option<(Shape, bool)> {
     Shape::new(&settings, &map, flip).ok().map(|s| (s, flat))
 }
 
-/// Whether a ray from a surface meets it where it started.
+/// The cosine within which f32 doesn't know on which side of a surface a direction is: unit normals are rounded twice (a shape's own,
+/// and its image in motion), by 2⁻²⁵ a component, so by √3·2⁻²⁴, and their product with a direction by up to 3·2⁻²⁴; together below 10·2⁻²⁵.
+const NO_SIDE: f64 = 2.5 * f32::EPSILON as f64;
+
+/// Whether a ray from a surface meets it where it started. Directions within [`NO_SIDE`] of the tangent plane are not judged.
 ///
 /// A ray into a sphere or cylinder of radius r meets it again after a chord of 2r cos θ or longer. A start that is off by
 /// x sees a normal that is tilted by up to x/r, so directions within that of the tangent plane are not judged, and the
 /// chord is shorter by up to 2x / cos θ.
 fn comes_back(object: &Object, at: &SurfacePoint, wi: Vec3, time: f32) -> bool {
+    let cos = at.ng.as_dvec3().dot(wi.as_dvec3());
+    if cos.abs() <= NO_SIDE {
+        return false;
+    }
     let Some(hit) = object.intersect(0, &at.spawn(wi, time)) else { return false };
     let (radius, flipped) = match &object.shape {
         // Out of a cube it meets nothing more, and through one another face.
         Shape::Cube(c) => {
-            let is_outward = (at.ng.dot(wi) > 0.0) != c.is_flipped();
+            let is_outward = (cos > 0.0) != c.is_flipped();
             let mut there = SurfacePoint::default();
             object.put_surface(0, &hit, &at.spawn(wi, time), &mut there);
             return is_outward || there.ng == at.ng;
@@ -93,7 +101,6 @@ fn comes_back(object: &Object, at: &SurfacePoint, wi: Vec3, time: f32) -> bool {
         Shape::Cylinder(c) => (c.radius(), c.is_flipped()),
         _ => return true,
     };
-    let cos = f64::from(at.ng.dot(wi));
     // 1e-6 r covers the roundings of f32 normals and directions.
     let off = f64::from(at.error.length() + at.offset(wi).distance(at.point)) + 1e-6 * radius;
     if cos.abs() <= 2.0 * off / radius {
