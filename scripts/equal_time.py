@@ -13,7 +13,7 @@ branches at glass as well, and where a scene calls for them with paths from ligh
 last column is the same ratio for means of blocks of 8 by 8 pixels.
 On a busy machine --clock cpu compares seconds of processor time, start-up taken off.
 
-Mitsuba needs LLVM's shared library: the file in DRJIT_LIBLLVM_PATH, or one that the system finds. The mesh is written by
+Mitsuba needs LLVM's shared library, 16 or newer: the file in DRJIT_LIBLLVM_PATH, or one that the system finds. The mesh is written by
 `cargo bench -p benches --bench shading -- --test`.
 """
 
@@ -45,13 +45,16 @@ BLOCK = 8
 
 
 def find_llvm():
-    """The path of LLVM's shared library, where Dr.Jit would not look by itself; None if there is none."""
+    """The path of LLVM's shared library, where Dr.Jit would not look by itself; None if there is none of version 16 or newer (with 15, Mitsuba aborts)."""
     named = os.environ.get("DRJIT_LIBLLVM_PATH")
     if named:
         return named
-    versions = [f"LLVM-{v}" for v in range(22, 7, -1)]
-    found = [path for path in map(ctypes.util.find_library, ["LLVM", *versions]) if path]
-    return found[0] if found else next(iter(sorted(glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*"), reverse=True)), None)
+    for version in range(22, 15, -1):
+        installed = sorted(glob.glob(f"/usr/lib/llvm-{version}/lib/libLLVM*.so*"))
+        found = ctypes.util.find_library(f"LLVM-{version}") or next(iter(installed), None)
+        if found:
+            return found
+    return None
 
 
 def processor_seconds(who):
@@ -197,7 +200,7 @@ def main(arguments=None):
     options = parse(arguments)
     llvm = find_llvm()
     if not llvm:
-        print("no LLVM library: name it in DRJIT_LIBLLVM_PATH (Debian: libllvm19)", file=sys.stderr)
+        print("no LLVM library of version 16 or newer: name it in DRJIT_LIBLLVM_PATH (Debian: libllvm19)", file=sys.stderr)
         return 2
     os.environ["DRJIT_LIBLLVM_PATH"] = llvm
     import drjit
