@@ -83,7 +83,8 @@ fn compare(pool: &rayon::ThreadPool, accel: &Accel, embree: &mut Option<Embree>,
 /// Seconds of the clock and of this thread's processor time, and hits, of one pass over the rays.
 fn time(accel: &Accel, rays: &[Ray], occlusion: bool) -> ([f64; 2], usize) {
     let (start, before) = (Instant::now(), busy());
-    let hits = rays.par_chunks(BATCH).map(|batch| {
+    // As Embree's: each thread takes the next batch, so that neighbours are in the cache that threads share.
+    let hits = rays.chunks(BATCH).par_bridge().map(|batch| {
         if occlusion {
             let mut blocked = Vec::new();
             accel.occluded(batch, &mut blocked);
