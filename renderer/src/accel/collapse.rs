@@ -23,7 +23,7 @@ const LEAF_COST: f32 = 1.5;
 const PARTS: usize = 64;
 
 /// Items from which on the work is shared.
-const SHARED_FROM: usize = 1 << 14;
+pub(super) const SHARED_FROM: usize = 1 << 14;
 
 /// A tree of eight-wide nodes over ranges of items.
 #[derive(Debug, Clone, Default)]
@@ -110,6 +110,9 @@ struct Cover<'a> {
 /// A node of the subtree. Its left child follows it.
 struct Entry {
     node: u32,
+    /// The binary node's first child or item, and half its surface: its memory is far from that of the nodes before and after.
+    first: u32,
+    area: f32,
     /// Index of the right child; 0 without children.
     right: u32,
     /// How many items it has; more than a leaf may have where they don't go into one.
@@ -150,8 +153,7 @@ impl<'a> Cover<'a> {
 
     /// The item of a leaf of the binary tree.
     fn item(&self, entry: &Entry) -> u32 {
-        let first = self.tree.nodes[entry.node as usize].first_index;
-        self.tree.primitive_indices[first as usize]
+        self.tree.primitive_indices[entry.first as usize]
     }
 
     /// Lists the nodes depth first.
@@ -164,11 +166,13 @@ impl<'a> Cover<'a> {
                 let parent: &mut Entry = &mut self.entries[parent as usize];
                 parent.right = index as u32;
             }
-            self.entries.push(Entry { node, right: 0, count: 1, costs: [0.0; WIDTH - 1], left: [0; WIDTH] });
             let binary = &self.tree.nodes[node as usize];
+            let (first, area) = (binary.first_index, binary.aabb().half_area());
+            let (costs, left) = ([0.0; WIDTH - 1], [0; WIDTH]);
+            self.entries.push(Entry { node, first, area, right: 0, count: 1, costs, left });
             if !binary.is_leaf() && self.part(node).is_none() {
-                stack.push((binary.first_index + 1, Some(index as u32)));
-                stack.push((binary.first_index, None));
+                stack.push((first + 1, Some(index as u32)));
+                stack.push((first, None));
             }
         }
     }
@@ -176,7 +180,7 @@ impl<'a> Cover<'a> {
     /// Finds the best covers of an entry whose children have theirs; a leaf has room for its vertices, or not.
     fn choose(&mut self, index: usize, has_room: bool) {
         let entry = &self.entries[index];
-        let area = self.tree.nodes[entry.node as usize].aabb().half_area();
+        let area = entry.area;
         if entry.right == 0 {
             let part = self.part(entry.node);
             let entry = &mut self.entries[index];

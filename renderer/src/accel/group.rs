@@ -2,16 +2,17 @@
 
 use std::time::Duration;
 
-use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ploc::PlocSearchDistance;
 use smallvec::SmallVec;
 use wide::f32x8;
 
 use super::block::{BlockMemory, Vertices, block};
 use super::collapse::{WideTree, collapse};
 use super::few::{self, Few, LEAVES, Leaf};
+use super::item::{Item, add_elements};
 use super::leaves::Leaves;
 use super::memory::Array;
 use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, lanes_of, limit, prefetch};
@@ -24,9 +25,10 @@ use crate::ray::{EightRays, Hit, Ray};
 use crate::shapes::{EightHits, Shape, ShapeHit};
 
 /// One item a leaf, as `collapse` expects. Reinsertion after its own collapse would cost as much as all the rest, and
-/// 2 % of the nodes gain three quarters of what 5 % do.
+/// 2 % of the nodes gain three quarters of what 5 % do. A longer search for neighbours makes no better trees.
 pub(super) const BUILD: BvhBuildParams = BvhBuildParams {
     max_prims_per_leaf: 1,
+    ploc_search_distance: PlocSearchDistance::Low,
     reinsertion_batch_ratio: 0.02,
     post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
     ..BvhBuildParams::medium_build()
@@ -34,16 +36,6 @@ pub(super) const BUILD: BvhBuildParams = BvhBuildParams {
 
 /// Bytes of a tree up to which rays walk it one after the other; measured in benches/README.md.
 const ALONE: usize = 1 << 17;
-
-/// What a leaf of a tree holds.
-#[derive(Debug, Clone, Copy)]
-struct Item {
-    bounds: Bounds,
-    /// Corners of a triangle at rest in the tree's space.
-    triangle: Option<[Vec3; 3]>,
-    /// Object and element.
-    id: [u32; 2],
-}
 
 /// Items under their trees, one for each span of time, in one space.
 #[derive(Debug)]
@@ -89,10 +81,10 @@ impl Group {
         for ((index, object), swept) in (0u32..).zip(objects).zip(swept) {
             match (&object.motion, swept) {
                 (Some(_), Some(bounds)) => {
-                    list.push(Item { bounds: *bounds, triangle: None, id: [index, 0] });
+                    list.push(Item { bounds: Bounds32::padded(bounds), triangle: None, id: [index, 0] });
                 }
                 (Some(_), None) => {}
-                (None, _) => list.extend(elements(index, &object.shape)),
+                (None, _) => add_elements(&mut list, index, &object.shape),
             }
         }
         Self::new(&list)
@@ -100,15 +92,14 @@ impl Group {
 
     /// The tree over one object's elements in its own space.
     pub(super) fn of_shape(index: u32, shape: &Shape) -> Self {
-        Self { is_inner: true, ..Self::new(&elements(index, shape).collect::<Vec<_>>()) }
+        let mut list = Vec::new();
+        add_elements(&mut list, index, shape);
+        Self { is_inner: true, ..Self::new(&list) }
     }
 
     fn new(list: &[Item]) -> Self {
-        let boxes: Vec<Aabb> = list
-            .iter()
-            .map(|item| Bounds32::padded(&item.bounds))
-            .map(|b| Aabb::new(b.min.into(), b.max.into()))
-            .collect();
+        let aabb = |item: &Item| Aabb::new(item.bounds.min.into(), item.bounds.max.into());
+        let boxes: Vec<Aabb> = list.iter().map(aabb).collect();
         let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
         let WideTree { root, nodes, leaf_ends, order, depth } =
             collapse(&binary, &|item| list[item as usize].triangle.map(Vertices::of));
@@ -122,9 +113,10 @@ impl Group {
         let blocks = Array::new(if has_triangles { leaf_ends.len() } else { 0 }, leaf);
         let boxed = |index: usize| {
             let items = items(index).iter().map(|&item| &list[item as usize]);
-            let bounds = items.clone().fold(Bounds::EMPTY, |all, item| all.union(&item.bounds));
             let has_triangles = items.clone().any(|item| item.triangle.is_some());
-            (Bounds32::padded(&bounds), Leaf { index, first: first(index) as usize, has_triangles })
+            let bounds = items.map(|item| item.bounds).reduce(|all, bounds| all.union(&bounds));
+            let bounds = bounds.expect("a leaf has an item");
+            (bounds, Leaf { index, first: first(index) as usize, has_triangles })
         };
         let few = (leaf_ends.len() <= LEAVES).then(|| {
             let mut leaves: Vec<(Bounds32, Leaf)> = (0..leaf_ends.len()).map(boxed).collect();
@@ -342,17 +334,6 @@ impl<N: Boxes> Group<N> {
 /// Whether a hit comes first in the order of distance, object and element.
 pub(super) fn comes_before(a: &Hit, b: &Hit) -> bool {
     (a.t, a.object, a.element) < (b.t, b.object, b.element)
-}
-
-/// The elements of a shape with their boxes.
-fn elements(object: u32, shape: &Shape) -> impl Iterator<Item = Item> + '_ {
-    (0..shape.element_count()).map(move |element| {
-        let triangle = match shape {
-            Shape::Mesh(mesh) => Some(mesh.vertices(element)),
-            _ => None,
-        };
-        Item { bounds: shape.element_bounds(element), triangle, id: [object, element] }
-    })
 }
 
 /// Whether neighbours in the list point mostly the same way, within 6°, and find in the cache what the ray before has left there.

@@ -4,6 +4,7 @@ mod block;
 mod collapse;
 mod few;
 mod group;
+mod item;
 mod leaves;
 mod memory;
 mod moving;

@@ -241,6 +241,11 @@ impl Bounds32 {
         let [min, max] = bounds.grown(glam::DVec3::splat(margin)).to_f32_outward();
         Self { min, max }
     }
+
+    /// The smallest box that holds both.
+    pub(super) fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
 }
 
 /// A ray prepared for boxes.
