@@ -10,6 +10,7 @@ use crate::shapes::Shape;
 /// What a leaf of a tree holds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Item {
+    /// Padded, as hits on edges ask for.
     pub(super) bounds: Bounds32,
     /// Corners of a triangle at rest in the tree's space.
     pub(super) triangle: Option<[Vec3; 3]>,
