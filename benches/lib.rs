@@ -1,5 +1,6 @@
 //! Scenes and inputs that the benchmarks share.
 
+pub mod embree;
 pub mod knot;
 
 use std::f64::consts::{PI, TAU};

@@ -4,18 +4,16 @@
 //! over rounds in which both take turns. Of one thread processor time counts, of two the clock. See README.md.
 //! Camera rays are compared with Embree's packets of 16, too.
 
-use std::io::{BufRead, BufReader, BufWriter, Write};
-use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use benches::embree::Embree;
 use benches::knot::{RaySet, accel, mesh, ray_sets};
 use benches::{busy, median};
 use rayon::prelude::*;
 use renderer::accel::Accel;
 use renderer::ray::Ray;
-use renderer::shapes::MeshData;
 
 /// Rays in one query.
 const BATCH: usize = 4096;
@@ -29,7 +27,13 @@ fn main() {
     let accel = accel(&mesh);
     println!("{} triangles, {:.3} s to load and build", mesh.triangles.len(), start.elapsed().as_secs_f64());
     let sets = ray_sets(&accel, 1024);
-    let mut embree = Embree::start(&mesh, &sets);
+    let rays: Vec<&[Ray]> = sets.iter().map(|set| &set.rays[..]).collect();
+    let mut embree = Embree::start(Path::new(env!("CARGO_TARGET_TMPDIR")), &mesh, &rays)
+        .inspect_err(|reason| println!("no comparison with Embree: {reason}"))
+        .ok();
+    for (name, seconds) in embree.iter().flat_map(|embree| &embree.builds) {
+        println!("Embree builds its {name} scene in {seconds} s");
+    }
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.unwrap_or_else(|error| panic!("{threads} threads: {error}"));
@@ -67,9 +71,9 @@ fn compare(pool: &rayon::ThreadPool, accel: &Accel, embree: &mut Option<Embree>,
         let seconds = if case.threads == 1 && processor.is_finite() { processor } else { wall };
         ours.push(rate(seconds));
         if let Some(embree) = embree {
-            let (seconds, found) = embree.ask(query, case);
+            let (seconds, found) = embree.ask(query, case.index, case.threads);
             theirs.push(rate(seconds));
-            default.push(rate(embree.ask(&format!("{query}-fast"), case).0));
+            default.push(rate(embree.ask(&format!("{query}-fast"), case.index, case.threads).0));
             if hits != found {
                 println!("  {hits} of our rays hit and {found} of Embree's");
             }
@@ -97,88 +101,4 @@ fn time(accel: &Accel, rays: &[Ray], occlusion: bool) -> ([f64; 2], usize) {
     });
     let hits = hits.sum();
     ([start.elapsed().as_secs_f64(), busy() - before], hits)
-}
-
-/// The program that asks Embree.
-struct Embree {
-    child: Child,
-    input: ChildStdin,
-    output: BufReader<ChildStdout>,
-}
-
-impl Embree {
-    /// Compiles and starts it; `None`, with a message, where that isn't possible.
-    fn start(mesh: &MeshData, sets: &[RaySet]) -> Option<Self> {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-        let (program, data) = (folder.join("embree"), folder.join("embree.bin"));
-        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("embree/embree.cpp");
-        let mut compile = Command::new("g++");
-        compile.args(["-O3", "-march=native", "-std=c++17", "-pthread"]).arg(&source).arg("-o").arg(&program);
-        let compiled = compile.arg("-lembree3").stderr(Stdio::null()).status();
-        if !compiled.is_ok_and(|status| status.success()) {
-            println!(
-                "no comparison with Embree: {} needs g++ and Embree 3 (libembree-dev)",
-                source.display()
-            );
-            return None;
-        }
-        write_input(&data, mesh, sets).unwrap_or_else(|error| panic!("{}: {error}", data.display()));
-        let child = Command::new(&program).arg(&data).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
-        let mut child = child.unwrap_or_else(|error| panic!("{}: {error}", program.display()));
-        let input = child.stdin.take().expect("it is piped");
-        let output = BufReader::new(child.stdout.take().expect("it is piped"));
-        let mut embree = Self { child, input, output };
-        for name in ["robust", "default"] {
-            println!("Embree builds its {name} scene in {} s", embree.line());
-        }
-        Some(embree)
-    }
-
-    fn line(&mut self) -> String {
-        let mut line = String::new();
-        self.output.read_line(&mut line).unwrap_or_else(|error| panic!("Embree's answer: {error}"));
-        line.trim().into()
-    }
-
-    /// Seconds and hits of a query.
-    fn ask(&mut self, query: &str, case: &Case) -> (f64, usize) {
-        writeln!(self.input, "{query} {} {}", case.index, case.threads)
-            .unwrap_or_else(|error| panic!("asking Embree: {error}"));
-        let line = self.line();
-        let answer = line.split_once(' ').and_then(|(s, n)| Some((s.parse().ok()?, n.parse().ok()?)));
-        answer.unwrap_or_else(|| panic!("Embree's answer {line:?}"))
-    }
-}
-
-impl Drop for Embree {
-    fn drop(&mut self) {
-        // It ends by itself at the end of its input; an error here means that it has ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-/// Writes what embree.cpp reads: counted lists of positions, triangles and sets of rays, all in native byte order.
-fn write_input(path: &Path, mesh: &MeshData, sets: &[RaySet]) -> std::io::Result<()> {
-    let mut file = BufWriter::new(std::fs::File::create(path)?);
-    let count = |file: &mut BufWriter<_>, n: usize| file.write_all(&(n as u64).to_ne_bytes());
-    count(&mut file, mesh.positions.len())?;
-    for coordinate in mesh.positions.iter().flatten() {
-        file.write_all(&coordinate.to_ne_bytes())?;
-    }
-    count(&mut file, mesh.triangles.len())?;
-    for index in mesh.triangles.iter().flatten() {
-        file.write_all(&index.to_ne_bytes())?;
-    }
-    count(&mut file, sets.len())?;
-    for set in sets {
-        count(&mut file, set.rays.len())?;
-        for ray in &set.rays {
-            let [o, d] = [ray.origin, ray.direction];
-            for number in [o.x, o.y, o.z, ray.t_max, d.x, d.y, d.z, ray.time] {
-                file.write_all(&number.to_ne_bytes())?;
-            }
-        }
-    }
-    file.flush()
 }

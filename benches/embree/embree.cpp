@@ -1,6 +1,6 @@
-// Answers the ray queries of benches/traversal.rs with Embree 3, for comparison.
+// Answers ray queries of the benches with Embree 3, for comparison.
 //
-// Usage: embree FILE, where FILE holds the mesh and the rays as traversal.rs writes them. It prints the seconds that each
+// Usage: embree FILE, where FILE holds the mesh and the rays as mod.rs writes them. It prints the seconds that each
 // build took, then for each line "QUERY SET THREADS" on standard input one line "SECONDS HITS".
 // QUERY is closest, occluded, closest8 or closest16, with "-fast" appended for the scene without the robust flag.
 #include <embree3/rtcore.h>

@@ -272,7 +272,8 @@ impl<I: Integrator> Finish<'_, I> {
         let work = || {
             let emission = self.scene.emission.as_ref().filter(|_| !missing.is_empty());
             let light = emission.map(|emission| self.light_image(emission, sampler));
-            missing.par_iter().for_each(|(index, tile)| {
+            // Each tile can be taken by another thread: the last ones are shared, too.
+            missing.par_iter().with_max_len(1).for_each(|(index, tile)| {
                 let mut begun = empty.begun(*index, tile);
                 let next = begun.next;
                 let range_of = |pixel| [next, empty.range_of(pixel)[1]];

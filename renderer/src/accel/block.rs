@@ -72,19 +72,19 @@ impl Vertices {
 
 /// The block of `items`, numbered from `first`, at most eight with at most eight vertices; `None` for what isn't a triangle.
 #[expect(clippy::cast_possible_truncation, reason = "indices are below 8")]
-pub(super) fn block(items: &[Option<[Vec3; 3]>], first: u32) -> BlockMemory {
+pub(super) fn block(items: impl Iterator<Item = Option<[Vec3; 3]>>, first: u32) -> BlockMemory {
     let mut vertices = Vertices::default();
     let (mut extent, mut size, mut lanes) = (0.0f32, 0.0f32, 0);
     let mut words = [0; WIDTH];
-    for (lane, triangle) in items.iter().enumerate() {
+    for (lane, triangle) in items.enumerate() {
         let Some(corners) = triangle else { continue };
-        for (corner, bits) in corners.iter().zip([0, 3, 6]) {
-            let index = vertices.index(*corner).expect("a leaf has room for its vertices");
+        for (corner, bits) in corners.into_iter().zip([0, 3, 6]) {
+            let index = vertices.index(corner).expect("a leaf has room for its vertices");
             words[lane] |= (index as u32) << bits;
             extent = extent.max(corner.abs().max_element());
         }
         let [a, b, c] = corners;
-        size = size.max((a.max(*b).max(*c) - a.min(*b).min(*c)).max_element());
+        size = size.max((a.max(b).max(c) - a.min(b).min(c)).max_element());
         lanes |= 1 << lane;
     }
     // The upper half of a number that isn't negative, rounded up.
@@ -332,7 +332,7 @@ mod tests {
             let fan = (0..1 + n as usize % 6).map(|k| [points[0], points[k + 1], points[k + 2]]);
             let triangles: Vec<_> = fan.map(Some).collect();
             let first = n * 4_294_967;
-            let memory = block(&triangles, first);
+            let memory = block(triangles.iter().copied(), first);
             let block = BlockRef::new(&memory);
             assert_eq!(block.first(), first as usize);
             for (lane, triangle) in triangles.iter().enumerate() {
@@ -349,7 +349,7 @@ mod tests {
                 assert!((exact..=exact * (1.0 + 2f32.powi(-7))).contains(&bound), "{bound} for {exact}");
             }
         }
-        let other = block(&[None], 7);
+        let other = block([None].into_iter(), 7);
         assert!(!BlockRef::new(&other).has_triangles() && BlockRef::new(&other).first() == 7);
     }
 
@@ -379,7 +379,7 @@ mod tests {
                 _ => along * (4.0 * point(n).x) + thin * point(11 * n).y,
             };
             let ray = Ray::new(from, (target - from).normalize(), 0.0);
-            let block = block(&[Some(corners)], 0);
+            let block = block([Some(corners)].into_iter(), 0);
             let probe = Probe::new(&ray);
             let found = BlockRef::new(&block).relative(&probe).candidates(&probe, ray.t_max);
             let hit = ShearedRay::new(&ray).hit(&corners, ray.t_max);

@@ -3,19 +3,17 @@
 use std::time::Duration;
 
 use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ploc::PlocSearchDistance;
-use smallvec::SmallVec;
 use wide::f32x8;
 
-use super::block::{BlockMemory, Vertices, block};
+use super::block::{BlockMemory, block};
 use super::collapse::{WideTree, collapse};
 use super::few::{self, Few, LEAVES, Leaf};
-use super::item::{Item, add_elements};
+use super::item::Items;
 use super::leaves::Leaves;
 use super::memory::Array;
-use super::node::{Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, lanes_of, limit, prefetch};
+use super::node::{AHEAD, Bounds32, Boxes, Child, NodeMemory, Slab, WIDTH, lanes_of, limit, prefetch};
 use super::object::Object;
 use super::packet::{Packet, RAYS, Waiting};
 use super::turns;
@@ -77,44 +75,42 @@ impl Group {
     /// The tree over a whole scene: elements of objects at rest, and of the moving objects that have one the boxes that
     /// they sweep.
     pub(super) fn of_scene(objects: &[Object], swept: &[Option<Bounds>]) -> Self {
-        let mut list = Vec::new();
+        let mut items = Items::default();
         for ((index, object), swept) in (0u32..).zip(objects).zip(swept) {
             match (&object.motion, swept) {
-                (Some(_), Some(bounds)) => {
-                    list.push(Item { bounds: Bounds32::padded(bounds), triangle: None, id: [index, 0] });
-                }
+                (Some(_), Some(bounds)) => items.add(bounds, [index, 0]),
                 (Some(_), None) => {}
-                (None, _) => add_elements(&mut list, index, &object.shape),
+                (None, _) => items.add_elements(index, &object.shape),
             }
         }
-        Self::new(&list)
+        Self::new(&items)
     }
 
     /// The tree over one object's elements in its own space.
     pub(super) fn of_shape(index: u32, shape: &Shape) -> Self {
-        let mut list = Vec::new();
-        add_elements(&mut list, index, shape);
-        Self { is_inner: true, ..Self::new(&list) }
+        let mut items = Items::default();
+        items.add_elements(index, shape);
+        Self { is_inner: true, ..Self::new(&items) }
     }
 
-    fn new(list: &[Item]) -> Self {
-        let aabb = |item: &Item| Aabb::new(item.bounds.min.into(), item.bounds.max.into());
-        let boxes: Vec<Aabb> = list.iter().map(aabb).collect();
-        let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
-        let WideTree { root, nodes, leaf_ends, order, depth } =
-            collapse(&binary, &|item| list[item as usize].triangle.map(Vertices::of));
+    fn new(Items { boxes, triangles, ids }: &Items) -> Self {
+        let binary = build_bvh2(boxes, BUILD, &mut Duration::default());
+        let WideTree { root, nodes, leaf_ends, order, depth } = collapse(&binary, triangles);
         let first = |leaf: usize| if leaf == 0 { 0 } else { leaf_ends[leaf - 1] };
         let items = |leaf: usize| &order[first(leaf) as usize..leaf_ends[leaf] as usize];
         let leaf = |leaf: usize| {
-            let triangles = items(leaf).iter().map(|&item| list[item as usize].triangle);
-            block(&triangles.collect::<SmallVec<[_; WIDTH]>>(), first(leaf))
+            let of_leaf = items(leaf);
+            let ahead = order[first(leaf) as usize..].iter().skip(AHEAD).take(of_leaf.len());
+            ahead.for_each(|&item| prefetch(&triangles[item as usize]));
+            block(of_leaf.iter().map(|&item| triangles[item as usize]), first(leaf))
         };
-        let has_triangles = list.iter().any(|item| item.triangle.is_some());
+        let has_triangles = triangles.iter().any(Option::is_some);
         let blocks = Array::new(if has_triangles { leaf_ends.len() } else { 0 }, leaf);
         let boxed = |index: usize| {
-            let items = items(index).iter().map(|&item| &list[item as usize]);
-            let has_triangles = items.clone().any(|item| item.triangle.is_some());
-            let bounds = items.map(|item| item.bounds).reduce(|all, bounds| all.union(&bounds));
+            let items = items(index).iter().map(|&item| item as usize);
+            let has_triangles = items.clone().any(|item| triangles[item].is_some());
+            let bounds =
+                items.map(|item| Bounds32::of(&boxes[item])).reduce(|all, bounds| all.union(&bounds));
             let bounds = bounds.expect("a leaf has an item");
             (bounds, Leaf { index, first: first(index) as usize, has_triangles })
         };
@@ -125,7 +121,7 @@ impl Group {
             Few(leaves)
         });
         let nodes = Array::new(nodes.len(), |index| nodes[index].to_memory());
-        let ids = Array::new(order.len(), |i| list[order[i] as usize].id);
+        let ids = Array::new(order.len(), |i| ids[order[i] as usize]);
         let (few, stack) = (few.into_iter().collect(), 7 * depth + WIDTH);
         Self { clock: (), roots: vec![root], nodes, blocks, ids, few, stack, is_inner: false }
     }

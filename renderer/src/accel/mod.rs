@@ -2,6 +2,7 @@
 
 mod block;
 mod collapse;
+mod cover;
 mod few;
 mod group;
 mod item;

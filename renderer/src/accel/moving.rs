@@ -161,7 +161,7 @@ impl Forest {
         let boxes: Vec<Aabb> = pairs.iter().map(|pair| aabb(&middle(pair))).collect();
         let binary = build_bvh2(&boxes, BUILD, &mut Duration::default());
         // Each item has a leaf of its own.
-        let wide = collapse(&binary, &|_| None);
+        let wide = collapse(&binary, &[]);
         let first = [self.nodes.len(), self.order.len()];
         self.nodes.resize(first[0] + wide.nodes.len(), [f32x16::ZERO; 7]);
         self.order.extend(&wide.order);

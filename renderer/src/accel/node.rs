@@ -4,6 +4,7 @@ use std::fmt::Debug;
 
 use bytemuck::Pod;
 use glam::Vec3;
+use obvhs::aabb::Aabb;
 use wide::{f32x8, f32x16, i32x8};
 
 use super::walk::Mode;
@@ -227,7 +228,7 @@ impl Node {
 }
 
 /// A box in f32.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Bounds32 {
     pub(super) min: Vec3,
     pub(super) max: Vec3,
@@ -240,6 +241,17 @@ impl Bounds32 {
         let margin = (bounds.max - bounds.min).max_element() * 2f64.powi(-21);
         let [min, max] = bounds.grown(glam::DVec3::splat(margin)).to_f32_outward();
         Self { min, max }
+    }
+
+    /// The box of a builder's.
+    pub(super) fn of(aabb: &Aabb) -> Self {
+        Self { min: aabb.min.into(), max: aabb.max.into() }
+    }
+
+    /// Half the surface area.
+    pub(super) fn half_area(&self) -> f32 {
+        let size = self.max - self.min;
+        (size.x + size.y) * size.z + size.x * size.y
     }
 
     /// The smallest box that holds both.
@@ -337,6 +349,9 @@ pub(super) fn limit(reach: f32) -> f32 {
 pub(super) fn limit_eight(reach: f32x8) -> f32x8 {
     (reach * f32x8::splat(SLACK)).fast_min(f32x8::splat(f32::MAX))
 }
+
+/// How many nodes or items ahead the memory of a list of them is fetched.
+pub(super) const AHEAD: usize = 16;
 
 /// Fetches the cache line of a value, where the processor has an instruction for it.
 #[inline]
