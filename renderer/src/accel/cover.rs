@@ -40,6 +40,8 @@ pub(super) struct Cover<'a> {
     tree: &'a Bvh2,
     triangles: Triangles<'a>,
     parts: &'a [Part],
+    /// Boxes are scaled by it where areas are added: a power of 2 with which the largest side of all is 1 to 2.
+    scale: f32,
     entries: Vec<Entry>,
     /// The vertices of entries whose parents' are to come; `None` of those that may not become a leaf.
     waiting: VecDeque<Option<Vertices>>,
@@ -72,7 +74,9 @@ impl Entry {
 
 impl<'a> Cover<'a> {
     pub(super) fn new(tree: &'a Bvh2, triangles: Triangles<'a>, parts: &'a [Part]) -> Self {
-        Self { tree, triangles, parts, entries: Vec::new(), waiting: VecDeque::new() }
+        let largest = tree.nodes[0].aabb().diagonal().max_element().max(f32::MIN_POSITIVE);
+        let scale = (-largest.log2().floor()).exp2();
+        Self { tree, triangles, parts, scale, entries: Vec::new(), waiting: VecDeque::new() }
     }
 
     /// Writes the wide tree of the subtree below `root`; returns what it is to a tree above.
@@ -141,7 +145,7 @@ impl<'a> Cover<'a> {
     /// Finds the best covers of an entry whose children have theirs; a leaf has room for its vertices, or not.
     fn choose(&mut self, index: usize, has_room: bool) {
         let entry = &self.entries[index];
-        let area = entry.bounds.half_area();
+        let area = entry.bounds.half_area(self.scale);
         if entry.children == 0 {
             let part = self.part(entry.node);
             let entry = &mut self.entries[index];
@@ -293,7 +297,7 @@ mod tests {
                 return cost;
             }
             let binary = self.tree.nodes[node];
-            let area = f64::from(binary.aabb().half_area());
+            let area = half_area(binary.aabb().diagonal().into());
             let mut cost = f64::INFINITY;
             if self.fits_leaf(node) {
                 cost = area * f64::from(LEAF_COST);
@@ -315,6 +319,11 @@ mod tests {
         }
     }
 
+    fn half_area(size: Vec3) -> f64 {
+        let [x, y, z] = size.as_dvec3().to_array();
+        (x + y) * z + x * y
+    }
+
     /// What a tree costs: a node and what is in it, or a leaf.
     fn cost(wide: &WideTree, child: Child, area: f64) -> f64 {
         if child.is_leaf() {
@@ -323,8 +332,7 @@ mod tests {
         let node = wide.nodes[child.node()].to_memory();
         let below = |slot: usize| {
             let side = |which: usize| [0, 1, 2].map(|axis| node.sides(axis, which, 0.0).as_array()[slot]);
-            let bounds = Bounds32 { min: side(0).into(), max: side(1).into() };
-            cost(wide, node.child(slot), f64::from(bounds.half_area()))
+            cost(wide, node.child(slot), half_area(Vec3::from(side(1)) - Vec3::from(side(0))))
         };
         area + (0..WIDTH).filter(|&slot| node.child(slot) != Child::NONE).map(below).sum::<f64>()
     }
@@ -348,15 +356,32 @@ mod tests {
             let mut reference =
                 Reference { tree: &tree, triangles: &triangles, most: WIDTH, known: HashMap::new() };
             let least = reference.cost(0, 1);
-            let found = cost(&wide, wide.root, f64::from(tree.nodes[0].aabb().half_area()));
+            let found = cost(&wide, wide.root, half_area(tree.nodes[0].aabb().diagonal().into()));
             worst = worst.max((found / least - 1.0).abs());
             // Had the left child one slot fewer.
             (reference.most, reference.known) = (6, HashMap::new());
             seen = seen.max(reference.cost(0, 1) / least - 1.0);
         }
-        // Each of two sums compared has at most one rounding, of 2⁻²⁴, for each of 119 nodes.
-        let resolution = 2.0 * 119.0 * 2f64.powi(-24);
+        // Each of two sums compared has at most one rounding, of 2⁻²⁴, for each of 119 nodes, and areas have four.
+        let resolution = 2.0 * (119.0 + 4.0) * 2f64.powi(-24);
         assert!(worst <= resolution, "{worst} {resolution}");
         assert!(seen > resolution, "{seen}");
+    }
+
+    #[test]
+    fn items_keep_their_leaves_however_large_or_small() {
+        // Half as large as coordinates may be, where areas of 2,000 boxes add up to more than f32 holds; and as small as areas vanish.
+        for size in [0.5e18, 1.0, 1e-25] {
+            let cube = |n: u32| {
+                let corner = glam::Vec3A::from(point(n)) * (0.1 * size);
+                Aabb::new(corner - glam::Vec3A::splat(size), corner + glam::Vec3A::splat(size))
+            };
+            let boxes: Vec<Aabb> = (0..2000).map(cube).collect();
+            let tree = build_bvh2(&boxes, BUILD, &mut Duration::default());
+            let WideTree { leaf_ends, mut order, .. } = collapse(&tree, &[]);
+            assert_eq!(leaf_ends, (1..=2000).collect::<Vec<_>>(), "{size}");
+            order.sort_unstable();
+            assert_eq!(order, (0..2000).collect::<Vec<_>>(), "{size}");
+        }
     }
 }

@@ -248,9 +248,9 @@ impl Bounds32 {
         Self { min: aabb.min.into(), max: aabb.max.into() }
     }
 
-    /// Half the surface area.
-    pub(super) fn half_area(&self) -> f32 {
-        let size = self.max - self.min;
+    /// Half the surface area of the box scaled by a factor: of large boxes themselves not even a few could be added.
+    pub(super) fn half_area(&self, scale: f32) -> f32 {
+        let size = (self.max - self.min) * scale;
         (size.x + size.y) * size.z + size.x * size.y
     }
 
