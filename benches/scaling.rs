@@ -34,7 +34,8 @@ fn main() {
     let largest = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(if once { 1e4 } else { 1e7 });
     let least = if once { 0.0 } else { LEAST };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (mut curves, mut embrees, mut missing) = (Curves::default(), Curves::default(), None);
+    let (mut curves, mut embrees) = (Curves::default(), Curves::default());
+    let program = Embree::compile(folder);
     println!("ns a ray, and growth over the logarithm's: {}", SETS.join(", "));
     let [ns, growth] = ["ns a ray", "growth"];
     println!("{:>10} {:>10}   {ns:24} {growth:28} {:24} {growth}", "triangles", "bytes each", "Embree's");
@@ -54,19 +55,14 @@ fn main() {
         }
         print!("{count:10} {bytes:10.0}   {}", last(&curves));
         drop(accel);
-        match Embree::start(folder, &mesh(wanted), &sets) {
-            Ok(mut embree) => {
-                for (set, (curve, rays)) in embrees.iter_mut().zip(sets).enumerate() {
-                    curve.push((count, embrees_time(&mut embree, set, rays.len())));
-                }
-                print!(" {}", last(&embrees));
+        if let Some(program) = &program {
+            let mut embree = Embree::start(program, &mesh(wanted), &sets);
+            for (set, (curve, rays)) in embrees.iter_mut().zip(sets).enumerate() {
+                curve.push((count, embrees_time(&mut embree, set, rays.len())));
             }
-            Err(reason) => missing = Some(reason),
+            print!(" {}", last(&embrees));
         }
         println!();
-    }
-    if let Some(reason) = missing {
-        println!("no comparison with Embree: {reason}");
     }
     let path = folder.join("scaling.svg");
     match draw(&path, &curves, &embrees) {

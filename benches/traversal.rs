@@ -28,9 +28,8 @@ fn main() {
     println!("{} triangles, {:.3} s to load and build", mesh.triangles.len(), start.elapsed().as_secs_f64());
     let sets = ray_sets(&accel, 1024);
     let rays: Vec<&[Ray]> = sets.iter().map(|set| &set.rays[..]).collect();
-    let mut embree = Embree::start(Path::new(env!("CARGO_TARGET_TMPDIR")), &mesh, &rays)
-        .inspect_err(|reason| println!("no comparison with Embree: {reason}"))
-        .ok();
+    let program = Embree::compile(Path::new(env!("CARGO_TARGET_TMPDIR")));
+    let mut embree = program.map(|program| Embree::start(&program, &mesh, &rays));
     for (name, seconds) in embree.iter().flat_map(|embree| &embree.builds) {
         println!("Embree builds its {name} scene in {seconds} s");
     }

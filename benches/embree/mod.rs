@@ -1,7 +1,7 @@
 //! Ray queries by Embree 3, where it is installed, for comparison.
 
 use std::io::{BufRead, BufReader, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use renderer::ray::Ray;
@@ -18,24 +18,31 @@ pub struct Embree {
 }
 
 impl Embree {
-    /// Compiles the program and starts it, with files in `folder`.
-    ///
-    /// # Errors
-    /// What is missing.
-    ///
-    /// # Panics
-    /// If a file can't be written or the program ends early.
-    pub fn start(folder: &Path, mesh: &MeshData, sets: &[&[Ray]]) -> Result<Self, String> {
-        let (program, data) = (folder.join("embree"), folder.join("embree.bin"));
+    /// Compiles the program into `folder`; `None`, with a message, where that isn't possible.
+    pub fn compile(folder: &Path) -> Option<PathBuf> {
+        let program = folder.join("embree");
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("embree/embree.cpp");
         let mut compile = Command::new("g++");
         compile.args(["-O3", "-march=native", "-std=c++17", "-pthread"]).arg(&source).arg("-o").arg(&program);
         let compiled = compile.arg("-lembree3").stderr(Stdio::null()).status();
         if !compiled.is_ok_and(|status| status.success()) {
-            return Err(format!("{} needs g++ and Embree 3 (libembree-dev)", source.display()));
+            println!(
+                "no comparison with Embree: {} needs g++ and Embree 3 (libembree-dev)",
+                source.display()
+            );
+            return None;
         }
+        Some(program)
+    }
+
+    /// Starts the compiled program, with the mesh and the rays in a file beside it.
+    ///
+    /// # Panics
+    /// If the file can't be written or the program ends early.
+    pub fn start(program: &Path, mesh: &MeshData, sets: &[&[Ray]]) -> Self {
+        let data = program.with_extension("bin");
         write_input(&data, mesh, sets).unwrap_or_else(|error| panic!("{}: {error}", data.display()));
-        let child = Command::new(&program).arg(&data).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
+        let child = Command::new(program).arg(&data).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
         let mut child = child.unwrap_or_else(|error| panic!("{}: {error}", program.display()));
         let input = child.stdin.take().expect("it is piped");
         let output = BufReader::new(child.stdout.take().expect("it is piped"));
@@ -44,7 +51,7 @@ impl Embree {
             let line = embree.line();
             embree.builds.push((name, line.parse().unwrap_or_else(|_| panic!("Embree's answer {line:?}"))));
         }
-        Ok(embree)
+        embree
     }
 
     fn line(&mut self) -> String {

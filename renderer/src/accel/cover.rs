@@ -13,7 +13,6 @@ use std::collections::VecDeque;
 
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::node::Bvh2Node;
 use wide::f32x8;
 
 use super::block::Vertices;
@@ -130,9 +129,10 @@ impl<'a> Cover<'a> {
                 prefetch(&nodes[entry.node as usize]);
             }
             let node = self.entries[index].node;
-            let Bvh2Node { min, max, first_index: first, .. } = nodes[node as usize];
-            self.entries[index].bounds = Bounds32 { min, max };
-            if nodes[node as usize].is_leaf() {
+            let binary = &nodes[node as usize];
+            let first = binary.first_index;
+            self.entries[index].bounds = Bounds32::of(binary.aabb());
+            if binary.is_leaf() {
                 self.entries[index].item = self.tree.primitive_indices[first as usize];
             } else if self.part(node).is_none() {
                 self.entries[index].children = self.entries.len() as u32;
@@ -263,6 +263,7 @@ mod tests {
     use crate::accel::collapse::collapse;
     use crate::accel::group::BUILD;
     use crate::accel::node::Boxes;
+    use crate::math::bounds::Bounds;
     use crate::sampling::warp::point;
 
     /// Lowest cost of covering nodes of a binary tree, by recursion over all ways in f64.
@@ -297,7 +298,7 @@ mod tests {
                 return cost;
             }
             let binary = self.tree.nodes[node];
-            let area = half_area(binary.aabb().diagonal().into());
+            let area = half_area(&Bounds32::of(binary.aabb()));
             let mut cost = f64::INFINITY;
             if self.fits_leaf(node) {
                 cost = area * f64::from(LEAF_COST);
@@ -319,9 +320,8 @@ mod tests {
         }
     }
 
-    fn half_area(size: Vec3) -> f64 {
-        let [x, y, z] = size.as_dvec3().to_array();
-        (x + y) * z + x * y
+    fn half_area(Bounds32 { min, max }: &Bounds32) -> f64 {
+        Bounds { min: min.as_dvec3(), max: max.as_dvec3() }.half_area()
     }
 
     /// What a tree costs: a node and what is in it, or a leaf.
@@ -332,7 +332,8 @@ mod tests {
         let node = wide.nodes[child.node()].to_memory();
         let below = |slot: usize| {
             let side = |which: usize| [0, 1, 2].map(|axis| node.sides(axis, which, 0.0).as_array()[slot]);
-            cost(wide, node.child(slot), half_area(Vec3::from(side(1)) - Vec3::from(side(0))))
+            let bounds = Bounds32 { min: side(0).into(), max: side(1).into() };
+            cost(wide, node.child(slot), half_area(&bounds))
         };
         area + (0..WIDTH).filter(|&slot| node.child(slot) != Child::NONE).map(below).sum::<f64>()
     }
@@ -356,7 +357,7 @@ mod tests {
             let mut reference =
                 Reference { tree: &tree, triangles: &triangles, most: WIDTH, known: HashMap::new() };
             let least = reference.cost(0, 1);
-            let found = cost(&wide, wide.root, half_area(tree.nodes[0].aabb().diagonal().into()));
+            let found = cost(&wide, wide.root, half_area(&Bounds32::of(tree.nodes[0].aabb())));
             worst = worst.max((found / least - 1.0).abs());
             // Had the left child one slot fewer.
             (reference.most, reference.known) = (6, HashMap::new());

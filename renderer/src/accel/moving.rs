@@ -245,7 +245,7 @@ const SEGMENT_GAIN: f64 = 1.1;
 pub(super) fn is_slow(object: &Object, shutter: [f64; 2]) -> bool {
     let Some(motion) = &object.motion else { return true };
     let own = object.shape.bounds();
-    half_area(&motion.swept(&own, shutter)) <= SWEPT_AREA * mean_area(object, shutter)
+    motion.swept(&own, shutter).half_area() <= SWEPT_AREA * mean_area(object, shutter)
 }
 
 /// Half the surface area of an object's box, interpolated on the most segments, averaged over the shutter.
@@ -258,12 +258,7 @@ fn mean_area(object: &Object, shutter: [f64; 2]) -> f64 {
 /// Half the surface area of an interpolated box, averaged over time: it is quadratic there, and Simpson's rule exact.
 fn mean_half_area([a, b]: &Pair) -> f64 {
     let middle = Bounds { min: (a.min + b.min) * 0.5, max: (a.max + b.max) * 0.5 };
-    (half_area(a) + 4.0 * half_area(&middle) + half_area(b)) / 6.0
-}
-
-fn half_area(bounds: &Bounds) -> f64 {
-    let size = bounds.max - bounds.min;
-    size.x * size.y + size.y * size.z + size.z * size.x
+    (a.half_area() + 4.0 * middle.half_area() + b.half_area()) / 6.0
 }
 
 #[cfg(test)]

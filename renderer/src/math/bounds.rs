@@ -35,6 +35,12 @@ impl Bounds {
         [0.5 * (self.min + self.max), 0.5 * (self.max - self.min)]
     }
 
+    /// Half the surface area.
+    pub fn half_area(&self) -> f64 {
+        let size = self.max - self.min;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+
     /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         let (a, b) = (self.min, self.max);

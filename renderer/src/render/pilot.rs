@@ -78,7 +78,8 @@ impl<I: Integrator> Finish<'_, I> {
         let (empty, tiles) = (part.emptied(), Tile::all(film));
         let part = Mutex::new(part);
         let work = || {
-            let each = tiles.par_iter().enumerate();
+            // As in the render itself, each tile can be taken by another thread.
+            let each = tiles.par_iter().with_max_len(1).enumerate();
             each.map(|(index, tile)| self.pilot_tile(sampler, &empty, (index, tile), &part))
                 .collect::<Vec<_>>()
         };
