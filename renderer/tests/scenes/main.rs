@@ -169,6 +169,61 @@ fn a_whole_scene_is_what_it_says() {
     assert!(noted(&["'ldsampler' is read as 'sobol'"]), "{notes:?}");
 }
 
+fn sensor(plugin: &str, part: &str) -> Folder {
+    let text = format!(r#"<scene version="3.0.0"><sensor type="{plugin}">{part}</sensor></scene>"#);
+    Folder::new(&[("s.xml", &text)])
+}
+
+#[test]
+fn a_focal_length_is_that_of_film_of_35_mm() {
+    let length = |value: &str| format!(r#"<string name="focal_length" value="{value}"/>"#);
+    // Mitsuba 3.9.1's x_fov of films of w × h pixels, f32
+    for (part, [w, h], x_fov) in [
+        (String::new(), [8.0, 6.0], 38.184_841_f64),
+        (length("50mm"), [6.0, 8.0], 29.105_461),
+        (length("35"), [8.0, 6.0], 52.622_543),
+        (length("35 mm"), [8.0, 6.0], 52.622_543),
+    ] {
+        let Projection::Perspective { fov, axis, .. } =
+            sensor("perspective", &part).read(&[]).unwrap().0.camera.projection
+        else {
+            panic!("a perspective camera");
+        };
+        assert_eq!(axis, FovAxis::Diagonal);
+        let width = (fov / 2.0).to_radians().tan() * w / f64::hypot(w, h);
+        let error = 2.0 * width.atan().to_degrees() - x_fov;
+        assert!(error.abs() < 0.5e-6 + 64.0 * 2.0_f64.powi(-24), "{part}: {error}"); // the last decimal here, and their rounding to f32 below 64
+    }
+    for (part, message) in [
+        (length("0mm"), "s.xml:1:79: 'focal_length' is '0mm'; a positive number of millimetres"),
+        (length("35m"), "s.xml:1:79: 'focal_length' is '35m';"),
+        (length("35mm") + r#"<float name="fov" value="40"/>"#, "s.xml:1:79: 'focal_length' beside 'fov';"),
+        (r#"<string name="fov_axis" value="y"/>"#.into(), "s.xml:1:51: 'fov_axis' without 'fov';"),
+    ] {
+        expect_parts(&sensor("perspective", &part).refused(), &[message]);
+    }
+}
+
+#[test]
+fn lenses_focus_at_the_far_plane_unless_they_say_where() {
+    let focus = |part: &str| {
+        let radius = r#"<float name="aperture_radius" value="0.1"/>"#;
+        let (scene, notes) = sensor("thinlens", &format!("{radius}{part}")).read(&[]).unwrap();
+        match scene.camera.projection {
+            Projection::Perspective { focus_distance, .. } => (focus_distance, notes.join("; ")),
+            other => panic!("a lens, not {other:?}"),
+        }
+    };
+    let (distance, notes) = focus("");
+    assert_eq!(distance, 1e4);
+    expect_parts(&notes, &["s.xml:1:24: no 'focus_distance': the lens focuses at 'far_clip', 10000"]);
+    assert_eq!(focus(r#"<float name="far_clip" value="77"/>"#).0, 77.0);
+    let (distance, notes) =
+        focus(r#"<float name="far_clip" value="77"/><float name="focus_distance" value="3"/>"#);
+    assert_eq!(distance, 3.0);
+    expect_parts(&notes, &["'far_clip' has no effect"]);
+}
+
 #[test]
 fn layers_and_microfacets_have_their_parameters() {
     let material = |bsdf: &str| {

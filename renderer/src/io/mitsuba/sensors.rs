@@ -14,6 +14,12 @@ use glam::DVec3;
 
 const PLUGINS: [&str; 3] = ["orthographic", "perspective", "thinlens"];
 const NO_CLIPPING: &str = "nothing is cut off near or far";
+/// Mitsuba's `far_clip`, where lenses focus unless they say so.
+const FAR_CLIP: f64 = 1e4;
+/// Mitsuba's focal length, mm.
+const FOCAL_LENGTH: f64 = 50.0;
+/// The diagonal of 35 mm film, 36 × 24 mm², squared, mm².
+const FILM_DIAGONAL_SQUARED: f64 = 36.0 * 36.0 + 24.0 * 24.0;
 
 /// What a sensor brings.
 pub(super) struct Sensor {
@@ -31,7 +37,9 @@ pub(super) fn read(context: &Context, index: usize) -> Result<Sensor, Error> {
         _ => perspective(&object, plugin == "thinlens")?,
     };
     object.without_effect("near_clip", &["float", "integer"], NO_CLIPPING)?;
-    object.without_effect("far_clip", &["float", "integer"], NO_CLIPPING)?;
+    if plugin != "thinlens" || object.has("focus_distance") {
+        object.without_effect("far_clip", &["float", "integer"], NO_CLIPPING)?;
+    }
     let to_world = transform::motion(&object, "to_world")?;
     let sensor = exposure(&object, CameraSettings { projection, to_world, shutter: Shutter::INSTANT })?;
     if plugin != "orthographic" {
@@ -83,15 +91,7 @@ fn exposure(object: &Object, camera: CameraSettings) -> Result<Sensor, Error> {
 }
 
 fn perspective(object: &Object, lens: bool) -> Result<Projection, Error> {
-    let axes = [
-        ("x", FovAxis::X),
-        ("y", FovAxis::Y),
-        ("diagonal", FovAxis::Diagonal),
-        ("smaller", FovAxis::Smaller),
-        ("larger", FovAxis::Larger),
-    ];
-    let fov = object.float("fov")?.ok_or_else(|| object.missing("fov"))?;
-    let axis = object.choice("fov_axis", &axes, FovAxis::X)?;
+    let (fov, axis) = field_of_view(object)?;
     for name in ["principal_point_offset_x", "principal_point_offset_y"] {
         if object.float(name)?.is_some_and(|offset| offset != 0.0) {
             return Err(object.refuse_value(name, format!("'{name}' other than 0; 0 is accepted")));
@@ -102,8 +102,52 @@ fn perspective(object: &Object, lens: bool) -> Result<Projection, Error> {
         return Ok(Projection::Perspective { fov, axis, lens_radius: 0.0, focus_distance: 1.0 });
     }
     let lens_radius = object.float("aperture_radius")?.ok_or_else(|| object.missing("aperture_radius"))?;
-    let focus_distance = object.float("focus_distance")?.ok_or_else(|| object.missing("focus_distance"))?;
+    let focus_distance = match object.float("focus_distance")? {
+        Some(distance) => distance,
+        None => {
+            let distance = object.float("far_clip")?.unwrap_or(FAR_CLIP);
+            object.context.note(format!(
+                "{}: no 'focus_distance': the lens focuses at 'far_clip', {distance}, as in Mitsuba",
+                object.place()
+            ));
+            distance
+        }
+    };
     Ok(Projection::Perspective { fov, axis, lens_radius, focus_distance })
+}
+
+/// The field of view, degrees, and its axis: by `fov`, or by the focal length for 35 mm film, whose diagonal is then the image's.
+fn field_of_view(object: &Object) -> Result<(f64, FovAxis), Error> {
+    let axes = [
+        ("x", FovAxis::X),
+        ("y", FovAxis::Y),
+        ("diagonal", FovAxis::Diagonal),
+        ("smaller", FovAxis::Smaller),
+        ("larger", FovAxis::Larger),
+    ];
+    let focal_length = object.string("focal_length")?;
+    if let Some(fov) = object.float("fov")? {
+        let axis = object.choice("fov_axis", &axes, FovAxis::X)?;
+        return match focal_length {
+            Some(length) => Err(length.place.refuse("'focal_length' beside 'fov'; one of them is accepted")),
+            None => Ok((fov, axis)),
+        };
+    }
+    if object.has("fov_axis") {
+        return Err(object.refuse_value("fov_axis", "'fov_axis' without 'fov'; beside 'fov' it is accepted"));
+    }
+    let length = match focal_length {
+        None => FOCAL_LENGTH,
+        Some(text) => {
+            let number = text.value.strip_suffix("mm").unwrap_or(&text.value).trim().parse().ok();
+            number.filter(|mm: &f64| *mm > 0.0 && mm.is_finite()).ok_or_else(|| {
+                let message = "a positive number of millimetres, as '50mm', is accepted";
+                text.place.refuse(format!("'focal_length' is '{}'; {message}", text.value))
+            })?
+        }
+    };
+    let fov = 2.0 * libm::atan(FILM_DIAGONAL_SQUARED.sqrt() / (2.0 * length));
+    Ok((fov.to_degrees(), FovAxis::Diagonal))
 }
 
 /// Refuses scaled or sheared perspective sensors, as Mitsuba does.

@@ -48,6 +48,8 @@ fn bitmap(object: &Object) -> Result<Texture, Error> {
     let wraps = [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp)];
     let wrap = object.choice("wrap_mode", &wraps, Wrap::Repeat)?;
     let to_uv = to_uv(object)?;
+    object.without_effect("accel", &["boolean"], "textures are looked up by the processor")?;
+    object.without_effect("format", &["string"], "texels are f32")?;
     let (path, bytes) = object.context.file(filename)?;
     let image = png::decode(&path, &bytes, raw)?;
     let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
