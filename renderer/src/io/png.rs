@@ -1,4 +1,4 @@
-//! Eight-bit pictures: what is rendered goes out as PNG, textures come in as PNG, JPEG or EXR.
+//! Pictures: what is rendered goes out as PNG, textures and environment maps come in as PNG, JPEG, Radiance HDR or EXR.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::exr;
 use super::image::{Image, MAX_PIXELS};
 use crate::Error;
 
-const ACCEPTED: &str = "a PNG or JPEG file of 1 to 2^28 pixels, or an EXR file by its name";
+const ACCEPTED: &str = "a PNG, JPEG or Radiance HDR file of 1 to 2^28 pixels, or an EXR file by its name";
 
 /// Writes `image` to `path` as an 8-bit sRGB PNG; see [`encode`].
 ///
@@ -51,9 +51,9 @@ pub fn read(path: &Path, raw: bool) -> Result<Image, Error> {
 }
 
 /// The texture file `path` with the content `bytes` as linear values, rows from the top; a fourth channel is dropped, one
-/// channel is repeated. PNG and JPEG are known by their content, EXR by its name.
+/// channel is repeated. PNG, JPEG and Radiance HDR are known by their content, EXR by its name.
 ///
-/// * `raw`: take the stored values as they are (0 to 1) instead of decoding sRGB. EXR files are linear either way.
+/// * `raw`: take the stored values as they are (0 to 1) instead of decoding sRGB. HDR and EXR files are linear either way.
 ///
 /// # Errors
 /// `Error::Format` if it is none of the formats or too large.
@@ -72,7 +72,8 @@ pub fn decode(path: &Path, bytes: &[u8], raw: bool) -> Result<Image, Error> {
 }
 
 fn linear(picture: &DynamicImage, raw: bool) -> Vec<[f32; 3]> {
-    let decode = |value: f32| if raw { value } else { srgb_decode(value) };
+    let is_linear = raw || matches!(picture, DynamicImage::ImageRgb32F(_));
+    let decode = |value: f32| if is_linear { value } else { srgb_decode(value) };
     picture.to_rgb32f().pixels().map(|pixel| pixel.0.map(decode)).collect()
 }
 
@@ -138,12 +139,25 @@ mod tests {
     }
 
     #[test]
+    fn radiance_files_are_linear() {
+        // Ward's shared exponents: (128, 64, 32) · 2^(129 − 136), and the same with an exponent of 143
+        let bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x80\x40\x20\x8f";
+        for raw in [false, true] {
+            let image = decode(Path::new("sky.hdr"), bytes, raw).unwrap();
+            assert_eq!((image.width, image.height), (2, 1));
+            assert_eq!(image.rgb, [[1.0, 0.5, 0.25], [16384.0, 8192.0, 4096.0]]);
+        }
+        let message = decode(Path::new("sky.hdr"), &bytes[..50], false).unwrap_err().to_string();
+        assert!(message.contains("sky.hdr"), "{message}");
+    }
+
+    #[test]
     fn a_text_file_and_no_file_are_refused_by_name() {
         let path = temporary("not.png");
         std::fs::write(&path, "hello").unwrap();
         let message = read(&path, false).unwrap_err().to_string();
         std::fs::remove_file(&path).unwrap();
-        assert!(message.contains("not.png") && message.contains("PNG or JPEG"), "{message}");
+        assert!(message.contains("not.png") && message.contains("PNG, JPEG or Radiance HDR"), "{message}");
         assert!(matches!(read(Path::new("/nowhere/a.png"), false), Err(Error::Io { .. })));
         assert!(matches!(write(&path, &Image::default(), 0.0), Err(Error::Format { .. })));
     }
