@@ -3,13 +3,16 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use image::{DynamicImage, ImageError, ImageReader, RgbImage};
+use image::codecs::hdr::HdrDecoder;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, RgbImage};
 
 use super::exr;
 use super::image::{Image, MAX_PIXELS};
 use crate::Error;
 
 const ACCEPTED: &str = "a PNG, JPEG or Radiance HDR file of 1 to 2^28 pixels, or an EXR file by its name";
+/// How Radiance's files begin, by Radiance and by others.
+const RADIANCE: [&[u8]; 2] = [b"#?RADIANCE", b"#?RGBE"];
 
 /// Writes `image` to `path` as an 8-bit sRGB PNG; see [`encode`].
 ///
@@ -61,14 +64,26 @@ pub fn decode(path: &Path, bytes: &[u8], raw: bool) -> Result<Image, Error> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
         return exr::decode(path, bytes);
     }
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-    let reader = reader.map_err(|source| Error::Io { path: path.into(), source })?;
-    let picture = reader.decode().map_err(|error| picture_error(path, error))?;
-    let (width, height) = (picture.width(), picture.height());
+    let decoder = decoder(path, bytes)?;
+    let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(format_error(path, format!("an image of {width} × {height} pixels; {ACCEPTED}")));
     }
+    let picture = DynamicImage::from_decoder(decoder).map_err(|error| picture_error(path, error))?;
     Ok(Image::new(width as usize, height as usize, linear(&picture, raw)))
+}
+
+fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<Box<dyn ImageDecoder + 'a>, Error> {
+    let decoder = if RADIANCE.iter().any(|signature| bytes.starts_with(signature)) {
+        // Strictly only the first of both signatures is known.
+        HdrDecoder::new_nonstrict(Cursor::new(bytes))
+            .map(|decoder| Box::new(decoder) as Box<dyn ImageDecoder>)
+    } else {
+        let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+        let reader = reader.map_err(|source| Error::Io { path: path.into(), source })?;
+        reader.into_decoder().map(|decoder| Box::new(decoder) as Box<dyn ImageDecoder>)
+    };
+    decoder.map_err(|error| picture_error(path, error))
 }
 
 fn linear(picture: &DynamicImage, raw: bool) -> Vec<[f32; 3]> {
@@ -141,14 +156,23 @@ mod tests {
     #[test]
     fn radiance_files_are_linear() {
         // Ward's shared exponents: (128, 64, 32) · 2^(129 − 136), and the same with an exponent of 143
-        let bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x80\x40\x20\x8f";
-        for raw in [false, true] {
-            let image = decode(Path::new("sky.hdr"), bytes, raw).unwrap();
+        let pixels = b"\x80\x40\x20\x81\x80\x40\x20\x8f";
+        let file = |signature: &str, size: &str| {
+            [format!("{signature}\nFORMAT=32-bit_rle_rgbe\n\n{size}\n").as_bytes(), pixels].concat()
+        };
+        let read = |bytes: &[u8], raw| decode(Path::new("sky.hdr"), bytes, raw);
+        for (signature, raw) in [("#?RADIANCE", false), ("#?RADIANCE", true), ("#?RGBE", false)] {
+            let image = read(&file(signature, "-Y 1 +X 2"), raw).unwrap();
             assert_eq!((image.width, image.height), (2, 1));
             assert_eq!(image.rgb, [[1.0, 0.5, 0.25], [16384.0, 8192.0, 4096.0]]);
         }
-        let message = decode(Path::new("sky.hdr"), &bytes[..50], false).unwrap_err().to_string();
-        assert!(message.contains("sky.hdr"), "{message}");
+        for (bytes, expected) in [
+            (file("#?RGBE", "-Y 1 +X 3"), "sky.hdr: "),
+            (file("#?RGBE", "-Y 1000000 +X 1000000"), "an image of 1000000 × 1000000 pixels; "),
+        ] {
+            let message = read(&bytes, false).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
     }
 
     #[test]
