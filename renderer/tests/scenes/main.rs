@@ -97,6 +97,37 @@ fn radiance_may_be_a_texture() {
 }
 
 #[test]
+fn srgb_is_one_colour_as_a_texture_and_as_a_spectrum() {
+    let scene = |tag: &str, color: &str| {
+        let value = |name: &str| format!(r#"<{tag} type="srgb" name="{name}">{color}</{tag}>"#);
+        let (reflectance, radiance) = (value("reflectance"), value("radiance"));
+        format!(
+            r#"<shape type="sphere"><bsdf type="diffuse">{reflectance}</bsdf><emitter type="area">{radiance}</emitter></shape>"#
+        )
+    };
+    let color = r#"<rgb name="color" value="0.5, 0.25, 1"/>"#;
+    let bright = r#"<rgb name="color" value="3, 0, 1"/>"#;
+    for tag in ["texture", "spectrum"] {
+        let object = &read(&scene(tag, color)).0.objects[0];
+        let expected = Texture::from(Rgb::new(0.5, 0.25, 1.0));
+        assert_eq!(object.radiance, expected);
+        assert_eq!(*object.material, Material::new_diffuse(expected).unwrap());
+        expect_parts(
+            &refused(&scene(tag, bright)),
+            &["s.xml:3:", "'color' has a channel outside 0 to 1; beside 'unbounded' true"],
+        );
+        expect_parts(&refused(&scene(tag, "")), &[&format!("{tag} srgb has no 'color'; it must be given")]);
+        let unbounded = format!(r#"{bright}<boolean name="unbounded" value="true"/>"#);
+        let light = format!(
+            r#"<shape type="sphere"><emitter type="area"><{tag} type="srgb" name="radiance">{unbounded}</{tag}></emitter></shape>"#
+        );
+        assert_eq!(read(&light).0.objects[0].radiance, Texture::from(Rgb::new(3.0, 0.0, 1.0)));
+    }
+    let regular = scene("spectrum", color).replace("srgb", "regular");
+    expect_parts(&refused(&regular), &["spectrum plugin 'regular'", "srgb is accepted"]);
+}
+
+#[test]
 fn transforms_compose_from_top_to_bottom() {
     let body = r#"<shape type="cube"><transform name="to_world"><scale value="2, 3, 4"/><rotate y="1" angle="90"/><translate x="1" z="5"/>
         <matrix value="1 0 0 10  0 1 0 0  0 0 1 0  0 0 0 1"/></transform></shape>"#;

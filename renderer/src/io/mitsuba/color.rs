@@ -1,4 +1,4 @@
-//! Values that are colours: `rgb`, `spectrum`, plain numbers, textures, and indices of refraction by name.
+//! Values that are colours: `rgb`, `spectrum`, `srgb`, plain numbers, textures, and indices of refraction by name.
 
 use super::document::Attribute;
 use super::object::{Object, number, numbers};
@@ -81,6 +81,13 @@ fn varying(object: &Object, name: &str, kind: Kind) -> Result<Option<Texture>, E
 
 fn constant(object: &Object, index: usize, kind: Kind) -> Result<Rgb, Error> {
     let element = &object.context.document.elements[index];
+    if element.tag == "spectrum" && element.text("type").is_some() {
+        let spectrum = Object::new(object.context, index)?;
+        spectrum.plugin(&["srgb"])?;
+        let rgb = srgb(&spectrum)?;
+        spectrum.finish()?;
+        return Ok(rgb);
+    }
     element.only(&["name", "value", "id"])?;
     let value = element.required("value")?;
     match element.tag.as_str() {
@@ -88,6 +95,20 @@ fn constant(object: &Object, index: usize, kind: Kind) -> Result<Rgb, Error> {
         "spectrum" => spectrum(value, kind),
         _ => number(value).map(|v| Rgb::splat(single(v))),
     }
+}
+
+/// The colour of the plugin `srgb`, which holds one in linear sRGB, 0 to 1 unless it is `unbounded`.
+pub(super) fn srgb(object: &Object) -> Result<Rgb, Error> {
+    let index = object.part("color", &["rgb"])?.ok_or_else(|| object.missing("color"))?;
+    let color = constant(object, index, Kind::Reflectance)?;
+    let inside = |c: &f32| (0.0..=1.0).contains(c);
+    if object.boolean("unbounded", false)? || color.to_array().iter().all(inside) {
+        return Ok(color);
+    }
+    Err(object.refuse_value(
+        "color",
+        "'color' has a channel outside 0 to 1; beside 'unbounded' true it is accepted",
+    ))
 }
 
 fn rgb(value: &Attribute) -> Result<Rgb, Error> {

@@ -1,10 +1,10 @@
-//! Textures: `checkerboard` and `bitmap`.
+//! Textures: `checkerboard`, `bitmap`, and `srgb`, which is one colour.
 
 use std::sync::Arc;
 
 use glam::{Affine2, DAffine3, Vec2};
 
-use super::color::{color, single};
+use super::color::{color, single, srgb};
 use super::object::Object;
 use super::{Context, transform};
 use crate::Error;
@@ -19,8 +19,9 @@ pub(super) fn read(context: &Context, index: usize) -> Result<Texture, Error> {
         return Ok(known.clone());
     }
     let object = Object::new(context, index)?;
-    let texture = match object.plugin(&["bitmap", "checkerboard"])? {
+    let texture = match object.plugin(&["bitmap", "checkerboard", "srgb"])? {
         "bitmap" => bitmap(&object)?,
+        "srgb" => srgb(&object)?.into(),
         _ => checkerboard(&object)?,
     };
     object.finish()?;
