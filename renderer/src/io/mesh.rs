@@ -44,7 +44,8 @@ pub fn parse(path: &Path, bytes: &[u8], format: MeshFormat) -> Result<MeshData, 
 ///
 /// * `to_world`: the linear part of the mesh's transform; angles are those in the world.
 ///
-/// Returns: normals in object space, of any length; a vertex without a face of positive area has +x.
+/// Returns: normals in object space, of any length; a vertex without a face of positive area has +x. Faces turn counter-clockwise
+/// in the world: a reflection turns the mesh inside out.
 ///
 /// # Source
 /// Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets", doi:10.1080/10867651.1998.10487487;
@@ -54,15 +55,13 @@ pub fn parse(path: &Path, bytes: &[u8], format: MeshFormat) -> Result<MeshData, 
 /// `io::mesh::tests::normals_are_mitsubas`
 pub fn vertex_normals(mesh: &MeshData, to_world: DMat3) -> Vec<[f32; 3]> {
     let world = |index: u32| to_world * DVec3::from(mesh.positions[index as usize].map(f64::from));
-    // A reflection turns the winding over; outside stays where it is in object space.
-    let side = to_world.determinant().signum();
     let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
     for triangle in &mesh.triangles {
         let p = triangle.map(world);
         let Some(n) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else { continue };
         for corner in 0..3 {
             let [a, b] = [1, 2].map(|step| p[(corner + step) % 3] - p[corner]);
-            normals[triangle[corner] as usize] += n * a.angle_between(b) * side;
+            normals[triangle[corner] as usize] += n * a.angle_between(b);
         }
     }
     let back = to_world.transpose();
@@ -100,7 +99,7 @@ mod tests {
         for (a, b) in direct.iter().zip(&mapped) {
             let b = stretch.inverse().transpose() * DVec3::from(b.map(f64::from));
             let cos = DVec3::from(a.map(f64::from)).dot(b.normalize());
-            assert!((cos + 1.0).abs() < 1e-6, "{cos}"); // opposite under the reflection; f32 positions and normals
+            assert!((cos - 1.0).abs() < 1e-6, "{cos}"); // f32 positions and normals
         }
     }
 

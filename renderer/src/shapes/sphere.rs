@@ -16,7 +16,7 @@ use crate::math::bounds::Bounds;
 use crate::math::eight::DVec3x8;
 use crate::ray::{EightRays, Ray64};
 
-/// A sphere; its normals point outward.
+/// A sphere; its normals point outward, or inward after a reflection, as in Mitsuba.
 #[derive(Debug, Clone)]
 pub struct Sphere {
     center: DVec3,
@@ -38,11 +38,12 @@ impl Sphere {
         check_point("center", center)?;
         check_radius(radius)?;
         let scale = uniform_scale("scale of a sphere", to_frame)?;
+        let is_reflected = to_frame.matrix3.determinant() < 0.0;
         Ok(Self {
             center: to_frame.transform_point3(center),
             radius: radius * scale,
             to_object: to_frame.matrix3.inverse() * scale,
-            sign: if flip { -1.0 } else { 1.0 },
+            sign: if flip == is_reflected { 1.0 } else { -1.0 },
             mapped: true,
         })
     }
@@ -182,5 +183,25 @@ impl Sphere {
         let outward = aside * reach - axis * (height + spare);
         let point = self.point_towards((outward * distance).normalize());
         Some((point, 1.0 / (TAU * height_max)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The sides that Mitsuba 3.9.1 shades.
+    #[test]
+    fn a_reflection_turns_it_inside_out() {
+        for (x, flip, is_outward) in
+            [(1.0, false, true), (-1.0, false, false), (1.0, true, false), (-1.0, true, true)]
+        {
+            let map = DAffine3::from_scale(DVec3::new(x, 1.0, 1.0));
+            let sphere = Sphere::new(DVec3::X, 0.5, &map, flip).unwrap();
+            let ray = Ray64 { origin: DVec3::new(x, 0.0, -2.0), direction: DVec3::Z, t_max: f32::INFINITY };
+            let hit = sphere.intersect(&ray).unwrap();
+            assert_eq!(sphere.surface(&ray, hit.t).ng.z < 0.0, is_outward, "{x} {flip}");
+            assert_eq!(sphere.is_flipped(), !is_outward);
+        }
     }
 }

@@ -354,6 +354,11 @@ fn instances_are_copies_of_their_group() {
     let at = |i: usize| scene.objects[i].to_world.at(0.0).transform_point3(DVec3::ZERO);
     let places = [DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0), DVec3::X, DVec3::new(1.0, 0.0, 6.0)];
     assert_eq!([0, 1, 2, 3].map(at), places);
+    // A reflection would turn a sphere inside out; one of an instance does not, in Mitsuba 3.9.1
+    let reflected = copy(r#"<transform name="to_world"><scale x="-1"/></transform>"#);
+    let flipped: Vec<bool> =
+        read(&format!("{group}{reflected}")).0.objects.iter().map(|o| o.flip_normals).collect();
+    assert_eq!(flipped, [true, false]);
     let refuse = |body: &str, parts: &[&str]| expect_parts(&refused(body), parts);
     refuse(&copy(""), &["pair"]);
     refuse(r#"<shape type="instance"/>"#, &["an instance of nothing; one <shape> of type shapegroup"]);

@@ -67,6 +67,7 @@ fn instance(object: Object) -> Result<Vec<ObjectSettings>, Error> {
         return Err(object.place().refuse(format!("an instance of nothing; {accepted}")));
     };
     let to_world = transform::motion(&object, "to_world")?;
+    let is_reflected = to_world.at(0.0).matrix3.determinant() < 0.0;
     let placed = |part: &ObjectSettings| {
         let own = part.to_world.at(0.0);
         let to_world = match (part.to_world.is_static(), to_world.is_static()) {
@@ -78,11 +79,22 @@ fn instance(object: Object) -> Result<Vec<ObjectSettings>, Error> {
                 return Err(object.refuse_value("to_world", message));
             }
         };
-        Ok(ObjectSettings { name: format!("{}, {}", object.name(), part.name), to_world, ..part.clone() })
+        let name = format!("{}, {}", object.name(), part.name);
+        let flip_normals = part.flip_normals != (is_reflected && turns_over(&part.shape));
+        Ok(ObjectSettings { name, to_world, flip_normals, ..part.clone() })
     };
     let all = group(object.context, index)?.iter().map(placed).collect::<Result<_, _>>()?;
     object.finish()?;
     Ok(all)
+}
+
+/// Whether a reflection turns the normals of `shape` over; where it is an instance's, Mitsuba leaves them on their side.
+fn turns_over(shape: &ShapeSettings) -> bool {
+    match shape {
+        ShapeSettings::Sphere { .. } => true,
+        ShapeSettings::Mesh(data) => data.face_normals || data.normals.is_none(),
+        _ => false,
+    }
 }
 
 /// A shape of one of [`PLUGINS`].
