@@ -7,8 +7,6 @@ use crate::tails::{any, positive, shared_level, t_noncentrality};
 use crate::welch::{Difference, Sum};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-/// Relative rounding of pixels stored as f32: two conversions and a few operations, 2^-24 each.
-pub(super) const ROUNDING: f64 = 1e-6;
 /// How many times the expected number of pixels may be beyond the level before it raises a doubt: samples of a path tracer are skewed,
 /// and their errors rest on few replicates. A right image of the Cornell box at 64 samples a pixel has 2.1 times the number with 8
 /// replicates, and 2.8 times with 16.
@@ -112,7 +110,8 @@ pub fn compare(a: &Image, b: &Image, bound_percent: f64) -> Result<Comparison, I
     let (whole_a, whole_b) = (a.whole(), b.whole());
     let (sum_a, sum_b) = (whole_a[a.channels], whole_b[b.channels]);
     positive("mean of B", sum_b.mean)?;
-    let differences = differences(&whole_a, &whole_b);
+    let rounding = rounding(a, b);
+    let differences = differences(&whole_a, &whole_b, rounding);
     let total = differences[a.channels];
     // The quotient's variance, to first order in the error of B.
     let ratio = sum_a.mean / sum_b.mean;
@@ -135,7 +134,7 @@ pub fn compare(a: &Image, b: &Image, bound_percent: f64) -> Result<Comparison, I
         dof: total.dof,
         p_value: total.p_value(),
         channel_p_value: smallest(&differences[..a.channels]),
-        resolution_percent: 100.0 * ROUNDING + percent * shift * total.error,
+        resolution_percent: 100.0 * rounding + percent * shift * total.error,
     };
     let tiles = tile_differences.summary(&tests);
     let pixels = pixels(a, b);
@@ -156,8 +155,14 @@ pub fn compare(a: &Image, b: &Image, bound_percent: f64) -> Result<Comparison, I
     })
 }
 
-pub(super) fn differences(a: &[Sum], b: &[Sum]) -> Vec<Difference> {
-    let one = |(a, b): (&Sum, &Sum)| Difference::of(*a, *b, ROUNDING * a.mean.abs().max(b.mean.abs()));
+/// What rounding may make of the difference of two images that show the same, relative to the larger.
+pub(super) fn rounding(a: &Image, b: &Image) -> f64 {
+    a.rounding.max(b.rounding)
+}
+
+/// * `rounding`: relative.
+pub(super) fn differences(a: &[Sum], b: &[Sum], rounding: f64) -> Vec<Difference> {
+    let one = |(a, b): (&Sum, &Sum)| Difference::of(*a, *b, rounding * a.mean.abs().max(b.mean.abs()));
     a.iter().zip(b).map(one).collect()
 }
 
@@ -190,7 +195,9 @@ fn pixels(a: &Image, b: &Image) -> Pixels {
     let level = PIXEL_LEVEL / a.channels as f64;
     let is_beyond = |pixel: &usize| {
         let entries = pixel * a.channels..(pixel + 1) * a.channels;
-        entries.into_iter().any(|i| smallest(&differences(&[one(a, i)], &[one(b, i)])) < level)
+        entries
+            .into_iter()
+            .any(|i| smallest(&differences(&[one(a, i)], &[one(b, i)], rounding(a, b))) < level)
     };
     let beyond = (0..count).filter(is_beyond).count() as u64;
     let tail = Binomial::new(PIXEL_LEVEL, count as u64).map_or(f64::NAN, |binomial| match beyond {
@@ -278,6 +285,30 @@ mod tests {
         // Three roundings of numbers below 1.
         assert!((found.evidence.interval[1] - found.bias_percent.abs() - half).abs() < 1e-15);
         assert!(found.pooled.resolution_percent < 0.5);
+    }
+
+    #[test]
+    fn rounding_of_pixels_without_noise_is_no_difference() {
+        // The upper half is a sky, the same in every seed, that one side has rounded by 3e-6.
+        let image = |seed: u64, sky: f64| {
+            let value = |k: u64, i: usize| {
+                if i < SIZE[0] * SIZE[1] / 2 { sky } else { 1.0 + 0.1 * uniform(4 * seed + k, i as u64) }
+            };
+            let files: Vec<Vec<f64>> =
+                (0..4).map(|k| (0..SIZE[0] * SIZE[1]).map(|i| value(k, i)).collect()).collect();
+            Image::from_seeds(SIZE, 1, &files).unwrap()
+        };
+        let (a, b) = (image(1, 0.7), image(2, 0.7 * (1.0 + 3e-6)));
+        let strict = compare(&a, &b, 0.5).unwrap();
+        assert_eq!(strict.verdict, Verdict::Fails, "{strict:?}");
+        let allowed = compare(&a, &b.clone().with_rounding(4e-6), 0.5).unwrap();
+        assert_eq!(allowed.verdict, Verdict::Holds, "{allowed:?}");
+        assert!(allowed.pixels.beyond < strict.pixels.beyond);
+        let beyond = compare(&a, &b.clone().with_rounding(2e-6), 0.5).unwrap();
+        assert_eq!(beyond.verdict, Verdict::Fails, "{beyond:?}");
+        let more = compare(&a, &b.with_rounding(5e-6), 0.5).unwrap();
+        let resolutions = more.pooled.resolution_percent - allowed.pooled.resolution_percent;
+        assert!((resolutions - 1e-4).abs() < 1e-12, "{resolutions}"); // 100·(5e-6 − 4e-6), but for roundings of f64
     }
 
     /// Of 200 pairs of equal images in which eight neighbours have the same error, how many are rejected at 1e-2.

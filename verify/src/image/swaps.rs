@@ -4,7 +4,7 @@
 //! far single pixels stray by chance, whatever the distribution of their errors is.
 
 use super::Image;
-use super::comparison::{PIXEL_LEVEL, Pixels, ROUNDING};
+use super::comparison::{PIXEL_LEVEL, Pixels, rounding};
 use crate::seeds::derive;
 use crate::welch::{Difference, Sum};
 
@@ -19,7 +19,7 @@ pub(super) fn pixels(a: &Image, b: &Image) -> Option<Pixels> {
     let files: Vec<&[f64]> = a.files.iter().chain(&b.files).map(Vec::as_slice).collect();
     let own: Vec<usize> = (0..a.files.len()).collect();
     let divisions = divisions(&own, files.len());
-    let scores = |side: &[usize]| scores(&files, side, a.channels);
+    let scores = |side: &[usize]| scores(&files, side, a.channels, rounding(a, b));
     let swapped: Vec<Vec<f64>> = divisions.iter().map(|side| scores(side)).collect();
     let level = upper_quantile(swapped.iter().flatten().copied().collect(), PIXEL_LEVEL);
     let count = |scores: &[f64]| scores.iter().filter(|&&t| t > level).count() as u64;
@@ -54,7 +54,7 @@ fn divisions(own: &[usize], files: usize) -> Vec<Vec<usize>> {
 }
 
 /// Largest |t| over the channels of each pixel, between the files of a side and the others.
-fn scores(files: &[&[f64]], side: &[usize], channels: usize) -> Vec<f64> {
+fn scores(files: &[&[f64]], side: &[usize], channels: usize, rounding: f64) -> Vec<f64> {
     let side_of = |entry: usize, wanted: bool| {
         let values: Vec<f64> = files
             .iter()
@@ -66,7 +66,7 @@ fn scores(files: &[&[f64]], side: &[usize], channels: usize) -> Vec<f64> {
     };
     let score = |entry: usize| {
         let [a, b] = [true, false].map(|wanted| side_of(entry, wanted));
-        Difference::of(a, b, ROUNDING * a.mean.abs().max(b.mean.abs())).t.abs()
+        Difference::of(a, b, rounding * a.mean.abs().max(b.mean.abs())).t.abs()
     };
     let pixel = |pixel: usize| (pixel * channels..(pixel + 1) * channels).map(score).fold(0.0, f64::max);
     (0..files[0].len() / channels).map(pixel).collect()

@@ -6,7 +6,7 @@
 //! Of these contrasts the largest is one test, and the sum of the other squares, given that they are smaller, another.
 
 use super::Image;
-use super::comparison::{differences, smallest};
+use super::comparison::{differences, rounding, smallest};
 use crate::power::chi_square_sf;
 use crate::tails::{any_of, normal_tail};
 use crate::welch::Difference;
@@ -38,7 +38,8 @@ pub(super) struct Differences(Vec<Vec<Difference>>);
 
 impl Differences {
     pub(super) fn of(a: &Image, b: &Image) -> Self {
-        Self(a.tiles().iter().zip(&b.tiles()).map(|(a, b)| differences(a, b)).collect())
+        let rounding = rounding(a, b);
+        Self(a.tiles().iter().zip(&b.tiles()).map(|(a, b)| differences(a, b, rounding)).collect())
     }
 
     /// Tests of one channel, or of the sum of all as the last.

@@ -169,16 +169,18 @@ fn files_that_are_no_reports_are_refused() {
 /// Images a side in the test of seeds.
 const SEEDS: u64 = 8;
 
+/// A number in [0, 1) of its own for each name, seed and place.
+#[expect(clippy::cast_possible_truncation, reason = "a number in [0, 1) in single precision")]
+fn number(name: &str, seed: u64, place: usize) -> f32 {
+    let mut u = [0.0];
+    verify::points::fill(Seed::derive(0, name, seed), place as u64, &mut u);
+    u[0] as f32
+}
+
 /// Writes images with independent errors about a mean, uniform with a standard deviation of 10 %.
 fn write_seeds(folder: &Path, name: &str, mean: f32) {
     for seed in 0..SEEDS {
-        let noise = |i: u32| {
-            let mut u = [0.0];
-            verify::points::fill(Seed::derive(0, name, seed), i.into(), &mut u);
-            #[expect(clippy::cast_possible_truncation, reason = "a number in [0, 1) in single precision")]
-            let u = u[0] as f32;
-            mean * (1.0 + 0.2 * 3.0f32.sqrt() * (u - 0.5))
-        };
+        let noise = |i| mean * (1.0 + 0.2 * 3.0f32.sqrt() * (number(name, seed, i) - 0.5));
         let rgb = (0..64 * 48).map(|i| [noise(3 * i), noise(3 * i + 1), noise(3 * i + 2)]).collect();
         exr::write(&folder.join(format!("{name}{seed}.exr")), &Image::new(64, 48, rgb)).expect("writes");
     }
@@ -210,6 +212,35 @@ fn images_from_seeds_are_told_apart_when_they_differ() {
     assert_eq!(different.status.code(), Some(1), "{}", text(&different.stdout));
     let (one, _) = lightproof("compare", &["compare", "a0.exr", "b0.exr"]);
     assert!(one.status.code() == Some(1) && text(&one.stdout).contains("errors are unknown"));
+}
+
+#[test]
+fn sums_of_other_programs_may_be_rounded_in_f32() {
+    let folder = empty("rounded");
+    let sky = |name: &str, radiance: f32| {
+        for seed in 0..SEEDS {
+            let value = |i| if i < 64 * 16 { radiance } else { 0.95 + 0.1 * number(name, seed, i) };
+            let rgb = (0..64 * 48).map(|i| [value(i); 3]).collect();
+            exr::write(&folder.join(format!("{name}{seed}.exr")), &Image::new(64, 48, rgb)).expect("writes");
+        }
+    };
+    // 4,096 equal samples: Mitsuba's sums are off by up to 4e-5; 4e-4 is no rounding
+    for (radiance, status, verdict) in [(1.000_04, 0, "holds"), (1.000_4, 1, "fails")] {
+        sky("a", 1.0);
+        sky("b", radiance);
+        let names = |side: &str| (0..SEEDS).map(|i| format!("{side}{i}.exr")).collect::<Vec<_>>();
+        let words = [
+            vec!["compare".into(), "--max-bias".into(), "1".into()],
+            names("a"),
+            vec!["--".into()],
+            names("b"),
+        ]
+        .concat();
+        let arguments: Vec<&str> = words.iter().map(String::as_str).collect();
+        let output = lightproof("rounded", &arguments).0;
+        assert_eq!(output.status.code(), Some(status), "{}", text(&output.stdout));
+        assert!(text(&output.stdout).starts_with(verdict), "{}", text(&output.stdout));
+    }
 }
 
 #[test]
