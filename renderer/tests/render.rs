@@ -1,5 +1,6 @@
 //! Whole renders of scenes whose answer is known, and the promises about bits.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -77,6 +78,31 @@ fn pooled(rendering: &Rendering) -> [f64; 2] {
     let sum: f64 = rendering.pixels.iter().flat_map(|p| p.mean).sum();
     let variance: f64 = rendering.pixels.iter().flat_map(|p| p.standard_error.unwrap()).map(|e| e * e).sum();
     [sum / n, (3.0 * variance).sqrt() / n] // the three channels of a pixel share their samples: 3 times, not √3
+}
+
+#[test]
+fn hidden_emitters_are_seen_through() {
+    let turned = |z: f64| at(DAffine3::from_translation(DVec3::Z * z) * DAffine3::from_rotation_y(PI));
+    let wall = object("wall", ShapeSettings::Rectangle, turned(4.0), diffuse(0.5), 0.0);
+    let image = |emitters: &[f64], hide_emitters: bool| {
+        let settings = IntegratorSettings { hide_emitters, max_depth: Some(2), ..IntegratorSettings::PATH };
+        // They face the camera, as the wall does, and the lamp is behind them.
+        let emitter = |&z: &f64| object("emitter", ShapeSettings::Disk, turned(z), diffuse(0.0), 3.0);
+        let objects = emitters.iter().map(emitter).chain([wall.clone()]).collect();
+        let position = DVec3::new(0.0, 0.0, 2.5);
+        let lights = vec![LightSettings::Point { position, intensity: Rgb::WHITE }];
+        let description = SceneDescription { lights, ..scene_of(objects, settings) };
+        pooled(&run(&description, SamplerKind::Sobol, 0))
+    };
+    let [alone, error] = image(&[], true);
+    for emitters in [&[1.5][..], &[1.0, 1.5]] {
+        let [hidden, its_error] = image(emitters, true);
+        let error = error.hypot(its_error);
+        assert!((hidden - alone).abs() < 6.0 * error, "{hidden} against {alone} ± {error}"); // 2e-9 by chance
+        // What the disks cover, radiance 3 or in the dark, is seen from a twentieth of the mean on.
+        assert!(error < 0.05 / 6.0 * alone, "{error}");
+    }
+    assert!(image(&[1.0, 1.5], false)[0] > 2.0 * alone);
 }
 
 #[test]
@@ -211,7 +237,7 @@ fn with_everything() -> SceneDescription {
     let moving = Motion::keyed(vec![(0.0, slide(-0.4)), (1.0, slide(0.4))]).unwrap();
     let ball = |x, z, radius| ShapeSettings::Sphere { center: DVec3::new(x, 0.0, z), radius };
     let wall = DAffine3::from_translation(DVec3::new(0.0, 0.0, 6.0))
-        * DAffine3::from_rotation_y(std::f64::consts::PI)
+        * DAffine3::from_rotation_y(PI)
         * DAffine3::from_scale(DVec3::splat(4.0));
     let lamp = DAffine3::from_translation(DVec3::new(0.0, 3.0, 3.0))
         * DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2);

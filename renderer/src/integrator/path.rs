@@ -79,6 +79,9 @@ impl Integrator for PathTracer {
                 break;
             }
             stages::closest_hits(scene, batch);
+            if depth == 1 && settings.hide_emitters {
+                stages::pass_emitters(scene, batch);
+            }
             stages::surfaces(scene, batch);
             if depth > 1 || !settings.hide_emitters {
                 stages::emission(scene, settings.strategy, batch);

@@ -6,6 +6,7 @@ use super::light_paths::weight_from_camera;
 pub use super::scatter::scatter;
 
 use super::batch::{Batch, Path, Surface};
+use crate::interaction::Interaction;
 use crate::math::{Frame, Rgb};
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::{Decision, Sampler, Vertex, warp};
@@ -85,6 +86,32 @@ pub fn closest_hits(scene: &Scene, batch: &mut Batch) {
     batch.rays.clear();
     batch.rays.extend(batch.paths.iter().map(|p| p.ray));
     scene.accel.closest(&batch.rays, &mut batch.hits);
+}
+
+/// Lets rays go on through shapes that emit until they meet another one, as though no such shape were there.
+pub fn pass_emitters(scene: &Scene, batch: &mut Batch) {
+    let Batch { paths, hits, .. } = batch;
+    let (mut passing, mut rays, mut found) = (Vec::new(), Vec::new(), Vec::new());
+    loop {
+        passing.clear();
+        rays.clear();
+        for (index, (path, hit)) in paths.iter_mut().zip(&*hits).enumerate() {
+            if let Some(hit) = hit.filter(|hit| scene.light_of(hit.object).is_some()) {
+                let mut emitter = Interaction::default();
+                scene.accel.put_interaction(&path.ray, &hit, &mut emitter);
+                path.ray = emitter.spawn(path.ray.direction);
+                passing.push(index);
+                rays.push(path.ray);
+            }
+        }
+        if passing.is_empty() {
+            return;
+        }
+        scene.accel.closest(&rays, &mut found);
+        for (&index, hit) in passing.iter().zip(&found) {
+            hits[index] = *hit;
+        }
+    }
 }
 
 /// The surfaces that were hit.

@@ -113,6 +113,7 @@ impl Scene {
         let finds_sky = description.integrator.strategy != Strategy::Light;
         let lights = Lights::new(lights, &accel, [shutter.open, shutter.close], finds_sky);
         let is_asked = description.integrator.light_paths
+            && !description.integrator.hide_emitters
             && matches!(settings.projection, Projection::Perspective { .. });
         let sends_on = |object: u32| !surfaces[object as usize].material.is_matte();
         let begin = || Emission::new(lights.as_slice(), &accel, [shutter.open, shutter.close], sends_on);

@@ -45,11 +45,12 @@ pub struct IntegratorSettings {
     pub strategy: Strategy,
     /// How points on lights are chosen.
     pub light_sampling: LightSampling,
-    /// Whether lights are invisible to the camera.
+    /// Whether the camera sees no light: neither the sky nor the shapes that emit, but what is behind those.
     pub hide_emitters: bool,
     /// Whether samples of neighbouring pixels share what their paths find at second surfaces, unless the scene has a shutter.
     pub reuse: bool,
-    /// Whether paths from lights, too, look for what reaches diffuse first surfaces by way of others (`integrator/light_paths.rs`).
+    /// Whether paths from lights, too, look for what reaches diffuse first surfaces by way of others (`integrator/light_paths.rs`);
+    /// not where the camera sees through shapes that emit.
     pub light_paths: bool,
 }
 

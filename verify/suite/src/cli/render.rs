@@ -139,7 +139,7 @@ pub(super) fn run(args: &Args) -> Result<Status, CliError> {
     }
     if args.light_paths && scene.emission.is_none() {
         return Err(CliError::Arguments(
-            "--light-paths: a scene with a perspective camera, a shape that emits and a surface that isn't diffuse is accepted".into(),
+            "--light-paths: a scene with a perspective camera, a shape that emits and isn't hidden (hide_emitters), and a surface that isn't diffuse is accepted".into(),
         ));
     }
     let origin = Origin {
