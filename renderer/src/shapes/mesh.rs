@@ -136,15 +136,16 @@ impl Mesh {
         SurfacePoint { point, error, ng, n, uv }
     }
 
-    /// Where the first texture coordinate grows and the second does not, up to a factor; zero without texture coordinates.
+    /// Where the first texture coordinate grows and the second does not, up to a factor; the first edge where the mesh has none, whose
+    /// texture coordinates are the weights then, and where they don't change over the triangle as two should.
     pub(super) fn tangent(&self, triangle: u32) -> DVec3 {
-        let Some(uvs) = &self.uvs else { return DVec3::ZERO };
         let corners = self.triangles[triangle as usize].map(|i| i as usize);
         let [a, b, c] = corners.map(|i| self.positions[i].as_dvec3());
+        let Some(uvs) = &self.uvs else { return b - a };
         let [ta, tb, tc] = corners.map(|i| uvs[i].map(f64::from));
         let (v1, v2) = (tb[1] - ta[1], tc[1] - ta[1]);
         let determinant = (tb[0] - ta[0]) * v2 - (tc[0] - ta[0]) * v1;
-        ((b - a) * v2 - (c - a) * v1) * if determinant == 0.0 { 0.0 } else { determinant.signum() }
+        if determinant == 0.0 { b - a } else { ((b - a) * v2 - (c - a) * v1) * determinant.signum() }
     }
 
     pub(super) fn area(&self) -> f64 {

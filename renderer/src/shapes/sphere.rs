@@ -185,23 +185,3 @@ impl Sphere {
         Some((point, 1.0 / (TAU * height_max)))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The sides that Mitsuba 3.9.1 shades.
-    #[test]
-    fn a_reflection_turns_it_inside_out() {
-        for (x, flip, is_outward) in
-            [(1.0, false, true), (-1.0, false, false), (1.0, true, false), (-1.0, true, true)]
-        {
-            let map = DAffine3::from_scale(DVec3::new(x, 1.0, 1.0));
-            let sphere = Sphere::new(DVec3::X, 0.5, &map, flip).unwrap();
-            let ray = Ray64 { origin: DVec3::new(x, 0.0, -2.0), direction: DVec3::Z, t_max: f32::INFINITY };
-            let hit = sphere.intersect(&ray).unwrap();
-            assert_eq!(sphere.surface(&ray, hit.t).ng.z < 0.0, is_outward, "{x} {flip}");
-            assert_eq!(sphere.is_flipped(), !is_outward);
-        }
-    }
-}

@@ -16,7 +16,8 @@ use crate::side::Side;
 mod heatmap;
 
 const EXAMPLES: &str = "Errors come from the files' stderr channels, from the tile sums of every seed in a JSON file of the image's name
-beside it, or from several files a side, each with another seed.
+beside it, or from several files a side, each with another seed. Other programs may have added samples up in f32: up to 0.012 % of a
+sum counts as rounding.
 
 Examples:
   lightproof compare ours.exr theirs.exr --max-bias 0.5
