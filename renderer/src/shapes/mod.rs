@@ -35,7 +35,7 @@ use crate::ray::{EightRays, Ray, Ray64};
 /// A shape before it is placed, with Mitsuba's canonical forms.
 #[derive(Debug, Clone)]
 pub enum ShapeSettings {
-    /// The sphere around `center`; normals outward.
+    /// The sphere around `center`; normals outward, or inward after a reflection.
     Sphere {
         /// Its centre.
         center: DVec3,
@@ -68,6 +68,15 @@ impl ShapeSettings {
         match self {
             Self::Cube => Self::Mesh(Arc::new(cube::triangles())),
             other => other.clone(),
+        }
+    }
+
+    /// Whether a reflection turns the normals over, as in Mitsuba: a sphere's, and those that follow from the corners' order.
+    pub fn turns_over(&self) -> bool {
+        match self {
+            Self::Sphere { .. } => true,
+            Self::Mesh(data) => data.face_normals || data.normals.is_none(),
+            _ => false,
         }
     }
 }

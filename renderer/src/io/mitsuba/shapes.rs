@@ -80,21 +80,13 @@ fn instance(object: Object) -> Result<Vec<ObjectSettings>, Error> {
             }
         };
         let name = format!("{}, {}", object.name(), part.name);
-        let flip_normals = part.flip_normals != (is_reflected && turns_over(&part.shape));
+        // A shape's own reflection turns it over, that of an instance leaves the outside where it is.
+        let flip_normals = part.flip_normals != (is_reflected && part.shape.turns_over());
         Ok(ObjectSettings { name, to_world, flip_normals, ..part.clone() })
     };
     let all = group(object.context, index)?.iter().map(placed).collect::<Result<_, _>>()?;
     object.finish()?;
     Ok(all)
-}
-
-/// Whether a reflection turns the normals of `shape` over; where it is an instance's, Mitsuba leaves them on their side.
-fn turns_over(shape: &ShapeSettings) -> bool {
-    match shape {
-        ShapeSettings::Sphere { .. } => true,
-        ShapeSettings::Mesh(data) => data.face_normals || data.normals.is_none(),
-        _ => false,
-    }
 }
 
 /// A shape of one of [`PLUGINS`].

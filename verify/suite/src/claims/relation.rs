@@ -364,11 +364,13 @@ fn moved(outer: DAffine3) -> SceneDescription {
     transformed(room(), outer)
 }
 
-/// The scene with everything in it, the camera too, moved by `outer`.
+/// The scene with everything in it, the camera too, moved by `outer`; what a reflection turns over is turned back.
 pub(super) fn transformed(mut description: SceneDescription, outer: DAffine3) -> SceneDescription {
     let then = |motion: &renderer::math::transform::Motion| fixed(outer * motion.at(0.0));
+    let is_reflected = outer.matrix3.determinant() < 0.0;
     for object in &mut description.objects {
         object.to_world = then(&object.to_world);
+        object.flip_normals ^= is_reflected && object.shape.turns_over();
     }
     description.camera.to_world = then(&description.camera.to_world);
     description
