@@ -144,7 +144,7 @@ impl Image {
         Self { shared_by: pixels.max(1), ..self }
     }
 
-    /// Says that rounding may have changed each pixel by `relative` of itself, the same way in every seed, instead of by [`ROUNDING`]; differences up to
+    /// Says that rounding may have changed each pixel by `relative` of itself, the same way in every seed, instead of by 1e-6; differences up to
     /// that count as none, and the resolution says so.
     ///
     /// A sum of n equal f32 numbers, one after the other, is off by up to n/2·2^-24: each addition rounds by up to 2^-24 of what is there so far.
