@@ -14,6 +14,8 @@ materials, lights and cameras. Not drawn is where Mitsuba 3.9.1 is known to mean
 * `hide_emitters` beside spheres and cylinders, which are shaded in a wrong place where a hidden emitter is before them;
 * filters wider than a pixel: at borders of films Mitsuba has no samples from beyond.
 
+Nor are orthographic sensors, irradiance meters, serialized meshes and motion, which other tests look at.
+
 A table, a line a scene; status 1 if the images of any scene differ (`fails` at 1e-9), 2 where something could not run. Images that are too
 noisy to be held to the bound are `undecided` and change no status.
 """
@@ -82,8 +84,8 @@ class Scenes(random.Random):
     def coat(self):
         return self.float("int_ior", 1.2, 1.8) + self.texture("diffuse_reflectance") + self.boolean("nonlinear")
 
-    def smooth_bsdf(self):
-        """One that can be a part of others."""
+    def nested_bsdf(self):
+        """One that others may hold: without mirrors, smooth plastics or glass."""
         kind = self.choice(["diffuse", "diffuse", "roughconductor", "roughplastic"])
         rough = self.float("alpha", 0.1, 0.6) + self.string("distribution", "ggx", "beckmann")
         parts = {
@@ -94,7 +96,7 @@ class Scenes(random.Random):
         return f'<bsdf type="{kind}">{parts[kind]()}</bsdf>'
 
     def bsdf(self, has_masks, emits=False):
-        kinds = ["conductor", "dielectric", "roughdielectric", "plastic", "twosided", "blendbsdf"] + ["smooth"] * 6
+        kinds = ["conductor", "dielectric", "roughdielectric", "plastic", "twosided", "blendbsdf"] + ["nested"] * 6
         kind = self.choice(kinds + ["mask"] * (has_masks and not emits) + ["thindielectric"] * (not emits))
         parts = {
             "conductor": self.metal,
@@ -102,11 +104,11 @@ class Scenes(random.Random):
             "thindielectric": self.glass,
             "roughdielectric": lambda: self.float("int_ior", 1.2, 1.8) + self.roughness(),
             "plastic": self.coat,
-            "twosided": lambda: self.smooth_bsdf() + self.maybe(self.smooth_bsdf()),
-            "mask": lambda: self.float("opacity", 0.2, 0.8) + self.smooth_bsdf(),
-            "blendbsdf": lambda: self.float("weight", 0.2, 0.8) + self.smooth_bsdf() + self.smooth_bsdf(),
+            "twosided": lambda: self.nested_bsdf() + self.maybe(self.nested_bsdf()),
+            "mask": lambda: self.float("opacity", 0.2, 0.8) + self.nested_bsdf(),
+            "blendbsdf": lambda: self.float("weight", 0.2, 0.8) + self.nested_bsdf() + self.nested_bsdf(),
         }
-        return self.smooth_bsdf() if kind == "smooth" else f'<bsdf type="{kind}">{parts[kind]()}</bsdf>'
+        return self.nested_bsdf() if kind == "nested" else f'<bsdf type="{kind}">{parts[kind]()}</bsdf>'
 
     def transform(self, is_round, is_reflected):
         x, y, z = (self.uniform(0.4, 1.1) for _ in range(3))
